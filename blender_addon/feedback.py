@@ -16,13 +16,16 @@ from bpy.props import (
 )
 from bpy.types import PropertyGroup
 
-from ..engine.accuracy.stopping import Progress, format_seconds
+from ..imports import loaded_when_used
 from .foundation import engine_process
 from .foundation.handlers import leave, listen
 from .foundation.preferences import device
 from .foundation.probe import Probe
 from .foundation.redraw import redraw
 from .foundation.report import ConversionReport
+
+with loaded_when_used():
+    from ..engine.accuracy import stopping
 
 SEVERITIES = [
     ("ERROR", "Error", "Something was left out", "CANCEL", 0),
@@ -130,7 +133,7 @@ def begin_job(window_manager) -> None:
     feedback.job.running = True
 
 
-def show_progress(window_manager, progress: Progress) -> None:
+def show_progress(window_manager, progress: "stopping.Progress") -> None:
     """Show how far the running job is."""
     job = window_manager.lumenray.job
     # Rounded down: a job that shows 100 % is done.
@@ -138,7 +141,7 @@ def show_progress(window_manager, progress: Progress) -> None:
     job.text, job.stage, job.samples = progress.text(), progress.stage, progress.samples
     job.error = progress.relative_error if progress.relative_error < UNKNOWN else 0.0
     left = progress.seconds_left
-    job.left = "" if left is None else format_seconds(left)
+    job.left = "" if left is None else stopping.format_seconds(left)
 
 
 def check_engine(window_manager) -> bool:

@@ -10,13 +10,16 @@ from enum import Enum
 
 import bpy
 
+from ..imports import loaded_when_used
 from .foundation import preferences
 from .foundation.redraw import redraw
 from .luminaires.settings import is_luminaire
 from .raysets.settings import is_rayset
 from .rendering.render_engine import LumenrayRenderEngine
-from .sync.lights.portals import is_portal
 from .sync.meshes import MESH_TYPES
+
+with loaded_when_used():
+    from .sync.lights import portals
 
 QUIET = 0.3
 """How long it takes at least until a change is seen. [s]"""
@@ -122,7 +125,11 @@ def _things(scene):
 def _states_amount(thing) -> bool:
     if is_luminaire(thing) or is_rayset(thing):
         return True
-    return thing.type == "LIGHT" and thing.data.lumenray.use_physical and not is_portal(thing.data)
+    return (
+        thing.type == "LIGHT"
+        and thing.data.lumenray.use_physical
+        and not portals.is_portal(thing.data)
+    )
 
 
 def _states_reflectance(thing) -> bool:

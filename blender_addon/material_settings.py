@@ -20,7 +20,7 @@ from .foundation.settings import (
     tag_owner,
 )
 from .scattering.settings import LumenrayMeasuredSettings
-from .sync.materials.overrides import model_items
+from .surface_models import model_items
 
 
 def _follow_override(self, context):

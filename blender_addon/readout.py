@@ -5,22 +5,24 @@ import textwrap
 from dataclasses import dataclass
 from functools import lru_cache
 
-import numpy as np
-
-from ..engine.accuracy.stopping import format_seconds
-from ..engine.photometry.spectra import efficacy as efficacy_of_spectrum
 from ..engine.reading.printable import printable
 from ..engine.requirements.budget import tell_parts
-from ..engine.scene.light import Output, Quantity
-from ..engine.scene.spectrum import Rgb
+from ..imports import loaded_when_used
 from .bake.tables import UNKNOWN
 from .foundation.exposure import white_luminance
 from .foundation.report import ConversionReport
-from .sync.lights.kinds import Kind, Place, is_scaled_unevenly, is_spread_out, kind_of
-from .sync.lights.shaped import read_ellipse
 from .sync.meshes import MESH_TYPES
-from .sync.nodes.fields import luminance
-from .sync.spectra import convert_spectrum
+
+with loaded_when_used():
+    import numpy as np
+
+    from ..engine.accuracy import stopping
+    from ..engine.photometry import spectra
+    from ..engine.scene import light as scene_light
+    from ..engine.scene import spectrum as scene_spectrum
+    from .sync import spectra as sync_spectra
+    from .sync.lights import kinds, shaped
+    from .sync.nodes import fields
 
 UNITS = {
     "LUMINOUS_FLUX": "lm",
@@ -107,13 +109,13 @@ def value_name(light) -> str:
 
 def _name_and_unit(light, quantity: str) -> tuple[str, str]:
     if quantity == "RADIANT_FLUX":
-        return kind_of(light).radiant
+        return kinds.kind_of(light).radiant
     return NAMES[quantity], UNITS[quantity]
 
 
 def quantities_of(light) -> tuple[str, ...]:
     """Return the quantities in which a light can be stated."""
-    return kind_of(light).quantities_of(light)
+    return kinds.kind_of(light).quantities_of(light)
 
 
 def describe_light(light, settings, lengths=(1.0, 1.0, 1.0), metres: float = 1.0) -> Description:
@@ -126,15 +128,15 @@ def describe_light(light, settings, lengths=(1.0, 1.0, 1.0), metres: float = 1.0
     lengths : (3,) sequence    Scale of the light's object along its axes. [-]
     metres : float    Length of a Blender unit. [m]
     """
-    kind, place = kind_of(light), Place("", "", np.diag([*lengths, 1.0]), metres)
+    kind, place = kinds.kind_of(light), kinds.Place("", "", np.diag([*lengths, 1.0]), metres)
     output, problem = _stated_output(light, kind, place, settings)
     if output is None:
         return Description(problem=problem)
     reading = kind.read(kind.make(light, place, output))
     if reading is None:
         return Description(problem="the light has no size, so that it has no luminance")
-    if light.type == "SPOT" and is_scaled_unevenly(place.lengths):
-        reading = read_ellipse(reading, output.quantity, light, place.lengths)
+    if light.type == "SPOT" and kinds.is_scaled_unevenly(place.lengths):
+        reading = shaped.read_ellipse(reading, output.quantity, light, place.lengths)
     named = (
         ("Luminous flux", reading.flux, "lm"),
         ("Axial intensity", reading.intensity, "cd"),
@@ -234,7 +236,7 @@ def describe_bake(baked) -> tuple[tuple[str, str], ...]:
         ("Mean of all", format_amount(baked.mean, "lx")),
         ("Error of all", format_error(baked.relative_error)),
         ("Pages", f"{baked.pages}"),
-        ("Time", format_seconds(baked.seconds)),
+        ("Time", stopping.format_seconds(baked.seconds)),
     ]
     parts = tell_parts(_unbounded(baked.relative_error), baked.simplified)
     lines += [("Made of", parts)] if parts else []
@@ -297,7 +299,9 @@ def wrap(text: str, width: float, scale: float = 1.0) -> list[str]:
     return textwrap.wrap(printable(text), max(characters, 16)) or [""]
 
 
-def _stated_output(light, kind: Kind, place: Place, settings) -> tuple[Output | None, str]:
+def _stated_output(
+    light, kind: "kinds.Kind", place: "kinds.Place", settings
+) -> "tuple[scene_light.Output | None, str]":
     """Return what a light gives in a photometric quantity, or None, and a problem."""
     own = light.lumenray
     if not own.use_physical:
@@ -307,26 +311,28 @@ def _stated_output(light, kind: Kind, place: Place, settings) -> tuple[Output | 
         called = light.type.lower()
         return None, f"this quantity is not defined for a {called} light; choose one of {allowed}"
     if own.quantity != "RADIANT_FLUX":
-        return Output(Quantity[own.quantity], own.value), ""
+        return scene_light.Output(scene_light.Quantity[own.quantity], own.value), ""
     if own.spectrum == "FILE":
         return None, NEEDS_THE_ENGINE
-    spectrum = convert_spectrum(own, _colour(light), ConversionReport(), light.name)
-    if isinstance(spectrum, Rgb):
+    spectrum = sync_spectra.convert_spectrum(own, _colour(light), ConversionReport(), light.name)
+    if isinstance(spectrum, scene_spectrum.Rgb):
         return None, NEEDS_THE_ENGINE
-    return Output(kind.whole, own.value * _efficacy(spectrum)), ""
+    return scene_light.Output(kind.whole, own.value * _efficacy(spectrum)), ""
 
 
-def _blender_output(light, kind: Kind, place: Place, efficacy: float) -> tuple[Output | None, str]:
+def _blender_output(
+    light, kind: "kinds.Kind", place: "kinds.Place", efficacy: float
+) -> "tuple[scene_light.Output | None, str]":
     """Return what Blender's own watts mean, and what of the light is left out of it."""
     amount = light.energy * 2.0 ** getattr(light, "exposure", 0.0) * efficacy
-    amount *= float(luminance(_colour(light))[0])
+    amount *= float(fields.luminance(_colour(light))[0])
     problem = "the light's own nodes come on top" if getattr(light, "use_nodes", False) else ""
-    if is_spread_out(light):
+    if kinds.is_spread_out(light):
         return None, "not normalised by its size: the amount is known when rendering"
-    return Output(*kind.amount(light, place, amount)), problem
+    return scene_light.Output(*kind.amount(light, place, amount)), problem
 
 
-def _colour(light) -> np.ndarray:
+def _colour(light) -> "np.ndarray":
     colour = np.array(light.color, dtype=np.float64)
     if getattr(light, "use_temperature", False):
         colour = colour * np.array(light.temperature_color)
@@ -335,4 +341,4 @@ def _colour(light) -> np.ndarray:
 
 @lru_cache(maxsize=64)
 def _efficacy(spectrum) -> float:
-    return efficacy_of_spectrum(spectrum)
+    return spectra.efficacy(spectrum)

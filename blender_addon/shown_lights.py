@@ -11,13 +11,16 @@ from bpy.app.handlers import persistent
 from bpy.props import CollectionProperty, IntProperty, PointerProperty, StringProperty
 from bpy.types import PropertyGroup
 
+from ..imports import loaded_when_used
 from . import readout
 from .foundation.handlers import leave, listen
 from .foundation.redraw import redraw
 from .foundation.selection import select_only
 from .foundation.units import metres_per_unit
-from .light_list import LightList, find_lights, name_row
 from .sync.tags import Tags
+
+with loaded_when_used():
+    from . import light_list
 
 QUICK = 0.05
 """A list that takes longer to find is found only when it is asked for. [s]"""
@@ -40,7 +43,7 @@ class _State:
     asked : tuple    Session uid of the scene, and name of its view layer, whose list is to be found by itself.
     """
 
-    held: LightList | None = None
+    held: "light_list.LightList | None" = None
     signature: tuple = ()
     is_current: bool = False
     changed: float = 0.0
@@ -51,7 +54,7 @@ class _State:
 _state = _State()
 
 
-def held() -> LightList | None:
+def held() -> "light_list.LightList | None":
     """Return the list that was found last; None: none was."""
     return _state.held
 
@@ -66,11 +69,11 @@ def is_current(scene, view_layer) -> bool:
     return _state.is_current and is_of(scene, view_layer)
 
 
-def refresh(scene, view_layer) -> LightList:
+def refresh(scene, view_layer) -> "light_list.LightList":
     """Find the list of a scene anew and show it."""
     view_layer.update()
     depsgraph = view_layer.depsgraph
-    lights = find_lights(depsgraph)
+    lights = light_list.find_lights(depsgraph)
     _state.held, _state.is_current = lights, True
     _state.signature = _signature(scene, view_layer, depsgraph)
     _state.places = {row.uid: k for k, row in reversed([*enumerate(lights.rows)])}
@@ -78,7 +81,7 @@ def refresh(scene, view_layer) -> LightList:
     rows.clear()
     for row in lights.rows:
         item = rows.add()
-        item.name, item.icon, item.uid = name_row(row), row.icon, str(row.uid)
+        item.name, item.icon, item.uid = light_list.name_row(row), row.icon, str(row.uid)
         item.amount = readout.format_amount(row.amount, row.unit)
     redraw("VIEW_3D")
     return lights

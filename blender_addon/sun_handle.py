@@ -8,7 +8,7 @@ import numpy as np
 
 from ..engine.sky.cie import sun_direction
 from .shadow_sun import find_free_sun, turn_sun
-from .sky import angles
+from .sun_direction import angles
 
 LOWEST = math.radians(1.0)
 """Height below which no sun is dragged. [rad]"""

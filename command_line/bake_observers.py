@@ -12,7 +12,8 @@ FILE = "observers.json"
 
 def observers_of(scene) -> list:
     """Return the empties of a scene that stand for observers of glare."""
-    from ..blender_addon.sensors.places import GLARE, find_sensors
+    from ..blender_addon.sensors.places import GLARE
+    from ..blender_addon.sensors.settings import find_sensors
 
     return [empty for empty in find_sensors(scene) if empty.lumenray.sensor.quantity == GLARE]
 

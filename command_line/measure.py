@@ -250,7 +250,7 @@ def run_scene(options) -> int:
 
 def _chosen(options, scene):
     """Empties that were named, None: all."""
-    from ..blender_addon.sensors.places import is_sensor
+    from ..blender_addon.sensors.settings import is_sensor
 
     for name in options.objects:
         if name not in scene.objects or not is_sensor(scene.objects[name]):

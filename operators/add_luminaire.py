@@ -5,11 +5,14 @@ from pathlib import Path
 import bpy
 from bpy.props import BoolProperty, CollectionProperty, FloatVectorProperty, StringProperty
 
-from ..blender_addon.luminaires import placing
 from ..blender_addon.luminaires.files import EXTENSIONS, photometric_files
 from ..blender_addon.luminaires.settings import settings_of
 from ..engine.errors import LumenrayError
+from ..imports import loaded_when_used
 from .luminaire_files import FILTER, describe
+
+with loaded_when_used():
+    from ..blender_addon.luminaires import placing
 
 
 class FileChoice:

@@ -3,9 +3,12 @@
 import bpy
 from bpy.props import EnumProperty, FloatProperty
 
-from ..blender_addon.sensors import adding
 from ..blender_addon.sensors.settings import LAYOUTS, QUANTITIES
 from ..engine.errors import LumenrayError
+from ..imports import loaded_when_used
+
+with loaded_when_used():
+    from ..blender_addon.sensors import adding
 
 
 class LUMENRAY_OT_add_sensors(bpy.types.Operator):

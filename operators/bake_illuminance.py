@@ -7,16 +7,19 @@ import bpy
 from bpy.props import BoolProperty, FloatProperty, IntProperty, StringProperty
 
 from ..blender_addon import assumptions, feedback, readout
-from ..blender_addon.bake import folders as bake_folders
-from ..blender_addon.bake import job as bake
-from ..blender_addon.bake import look as baked_look
 from ..blender_addon.bake import results as baked_results
 from ..blender_addon.bake import running as running_bake
 from ..blender_addon.bake.error_graph import graph
 from ..blender_addon.foundation import engine_process
 from ..blender_addon.foundation.redraw import redraw
-from ..engine.accuracy.stopping import StopRule
 from ..engine.errors import Cancelled, LumenrayError
+from ..imports import loaded_when_used
+
+with loaded_when_used():
+    from ..blender_addon.bake import folders as bake_folders
+    from ..blender_addon.bake import job as bake
+    from ..blender_addon.bake import look as baked_look
+    from ..engine.accuracy import stopping
 
 ONCE = {"SKIP_SAVE"}
 """Options of what a call is told: the next one is not to find it again unseen."""
@@ -189,9 +192,9 @@ class LUMENRAY_OT_bake_illuminance(bpy.types.Operator):
             raise LumenrayError(f"the scene has no object named {', '.join(missing)}")
         return [context.scene.objects[name] for name in names]
 
-    def _rule(self, settings) -> StopRule:
+    def _rule(self, settings) -> "stopping.StopRule":
         if self.samples or self.error or self.time or self.absolute:
-            return StopRule(
+            return stopping.StopRule(
                 samples=self.samples or None,
                 error=self.error or None,
                 seconds=self.time or None,

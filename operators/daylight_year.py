@@ -3,8 +3,12 @@
 import bpy
 
 from ..blender_addon import feedback
-from ..blender_addon.daylight_year import asked, results, running
+from ..blender_addon.daylight_year import running
+from ..imports import loaded_when_used
 from .background_operator import BackgroundOperator
+
+with loaded_when_used():
+    from ..blender_addon.daylight_year import asked, results
 
 
 class LUMENRAY_OT_daylight_year(BackgroundOperator, bpy.types.Operator):

@@ -1,12 +1,16 @@
 """Dragging the sun along its arc in a 3D view, which states the time."""
 
 import bpy
-import numpy as np
 from bpy_extras.view3d_utils import location_3d_to_region_2d
 
-from ..blender_addon.daylight.arc import find_nearest_time, make_arc
-from ..blender_addon.daylight.moment import find_moment, frame_of, state_moment
 from ..engine.errors import LumenrayError
+from ..imports import loaded_when_used
+
+with loaded_when_used():
+    import numpy as np
+
+    from ..blender_addon.daylight import arc as daylight_arc
+    from ..blender_addon.daylight import moment as daylight_moment
 
 STEP, FINE_STEP = 300.0, 60.0
 """To which the time is rounded, and with Shift held. [s]"""
@@ -29,8 +33,8 @@ class LUMENRAY_OT_drag_sun(bpy.types.Operator):
     def invoke(self, context, event):
         world = context.scene.world
         try:
-            moment = find_moment(world, frame_of(context.scene))
-            arc = make_arc(moment, is_lifted=world.lumenray.time.use_refraction)
+            moment = daylight_moment.find_moment(world, daylight_moment.frame_of(context.scene))
+            arc = daylight_arc.make_arc(moment, is_lifted=world.lumenray.time.use_refraction)
         except LumenrayError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
@@ -49,7 +53,7 @@ class LUMENRAY_OT_drag_sun(bpy.types.Operator):
             mouse = np.array([event.mouse_region_x, event.mouse_region_y], float)
             step = FINE_STEP if event.shift else STEP
             try:
-                seconds = find_nearest_time(self.seconds, self.points, mouse)
+                seconds = daylight_arc.find_nearest_time(self.seconds, self.points, mouse)
             except LumenrayError as error:
                 self.report({"ERROR"}, str(error))
                 return self._end(context, {"CANCELLED"})
@@ -59,8 +63,8 @@ class LUMENRAY_OT_drag_sun(bpy.types.Operator):
 
     def _state(self, context, seconds):
         scene = context.scene
-        state_moment(scene.world, frame_of(scene), seconds)
-        title = find_moment(scene.world, frame_of(scene)).title
+        daylight_moment.state_moment(scene.world, daylight_moment.frame_of(scene), seconds)
+        title = daylight_moment.find_moment(scene.world, daylight_moment.frame_of(scene)).title
         context.area.header_text_set(title)
 
     def _end(self, context, result):
@@ -68,7 +72,7 @@ class LUMENRAY_OT_drag_sun(bpy.types.Operator):
         return result
 
 
-def _on_screen(context, points: np.ndarray) -> np.ndarray:
+def _on_screen(context, points: "np.ndarray") -> "np.ndarray":
     """Where points above the horizon are seen, NaN for all others. (n, 2) [pixel]"""
     seen = np.full((len(points), 2), np.nan)
     for i in np.flatnonzero(points[:, 2] >= 0.0):

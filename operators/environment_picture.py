@@ -3,9 +3,12 @@
 import bpy
 from bpy.props import BoolProperty, StringProperty
 
-from ..blender_addon.environment import found
 from ..blender_addon.environment.loading import EXTENSIONS, show_picture
 from ..engine.errors import LumenrayError
+from ..imports import loaded_when_used
+
+with loaded_when_used():
+    from ..blender_addon.environment import found
 
 
 class WithWorld:

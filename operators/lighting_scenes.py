@@ -3,8 +3,12 @@
 import bpy
 from bpy.props import IntProperty, StringProperty
 
-from ..blender_addon.rendering import light_mix, lighting_scenes
+from ..blender_addon.rendering import light_mix
 from ..engine.errors import LumenrayError
+from ..imports import loaded_when_used
+
+with loaded_when_used():
+    from ..blender_addon.rendering import lighting_scenes
 
 
 def _rows(context):

@@ -3,9 +3,9 @@
 import bpy
 from bpy.props import BoolProperty, StringProperty
 
-from ..blender_addon.luminaires import placing
 from ..blender_addon.luminaires.files import EXTENSIONS, names_tilt_file, photometric_files
 from ..blender_addon.luminaires.settings import active_settings
+from ..imports import loaded_when_used
 from .file_operators import (
     FileOperator,
     LoadFile,
@@ -15,6 +15,9 @@ from .file_operators import (
     WithFile,
     tell,
 )
+
+with loaded_when_used():
+    from ..blender_addon.luminaires import placing
 
 FILTER = ";".join(f"*{ending}" for ending in EXTENSIONS)
 """Names that the file browser shows."""

@@ -4,10 +4,14 @@ import bpy
 
 from ..blender_addon import feedback
 from ..blender_addon.foundation.redraw import areas
-from ..blender_addon.sensors import asked, pictures, results, running
-from ..blender_addon.sensors.places import find_sensors, is_sensor
-from ..blender_addon.sensors.readings import readings_of
+from ..blender_addon.sensors import results, running
+from ..blender_addon.sensors.settings import find_sensors, is_sensor
+from ..imports import loaded_when_used
 from .background_operator import BackgroundOperator
+
+with loaded_when_used():
+    from ..blender_addon.sensors import asked, pictures
+    from ..blender_addon.sensors import readings as sensor_readings
 
 
 class LUMENRAY_OT_measure_sensors(BackgroundOperator, bpy.types.Operator):
@@ -63,7 +67,7 @@ class LUMENRAY_OT_show_sensor_plans(bpy.types.Operator):
 
     @classmethod
     def poll(cls, context):
-        held = (readings_of(empty) for empty in find_sensors(context.scene))
+        held = (sensor_readings.readings_of(empty) for empty in find_sensors(context.scene))
         if any(readings is not None and pictures.has_plan(readings) for readings in held):
             return True
         cls.poll_message_set("Measure a grid of sensors first")

@@ -3,8 +3,11 @@
 import bpy
 
 from ..blender_addon.rendering import light_mix
-from ..blender_addon.sync.scene import convert_scene
 from ..engine.errors import LumenrayError
+from ..imports import loaded_when_used
+
+with loaded_when_used():
+    from ..blender_addon.sync import scene as sync_scene
 
 
 class LUMENRAY_OT_list_light_groups(bpy.types.Operator):
@@ -21,7 +24,7 @@ class LUMENRAY_OT_list_light_groups(bpy.types.Operator):
     def execute(self, context):
         scene = context.scene
         try:
-            luminous = convert_scene(context.evaluated_depsgraph_get()).luminous
+            luminous = sync_scene.convert_scene(context.evaluated_depsgraph_get()).luminous
             groups = light_mix.groups_of(scene, luminous)
         except LumenrayError as error:
             self.report({"ERROR"}, str(error))

@@ -3,7 +3,10 @@
 import bpy
 from bpy.props import FloatProperty, IntProperty
 
-from ..blender_addon.lit_room import Plan, add_lit_room
+from ..imports import loaded_when_used
+
+with loaded_when_used():
+    from ..blender_addon import lit_room
 
 
 def _length(name: str, description: str, default: float, least: float):
@@ -52,7 +55,9 @@ class LUMENRAY_OT_new_lit_room(bpy.types.Operator):
         return True
 
     def execute(self, context):
-        add_lit_room(context, Plan(self.width, self.depth, self.height, self.columns, self.rows))
+        lit_room.add_lit_room(
+            context, lit_room.Plan(self.width, self.depth, self.height, self.columns, self.rows)
+        )
         space = context.space_data
         if space is not None and space.type == "VIEW_3D":
             space.region_3d.view_perspective = "CAMERA"

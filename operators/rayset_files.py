@@ -11,7 +11,7 @@ from ..blender_addon.raysets.files import ray_files
 from ..blender_addon.raysets.settings import active_rays, rays_of
 from ..blender_addon.readout import title_case
 from ..engine.errors import LumenrayError
-from ..engine.raysets.reader import ENDINGS
+from ..engine.raysets.file_names import ENDINGS
 from ..libraries.raysets import PREFIX
 from ..libraries.raysets.catalogue import ENTRIES
 from .file_operators import FileOperator, LoadFile, ReloadFile

@@ -5,10 +5,10 @@ from bpy.props import StringProperty
 
 from ..blender_addon.file_assets.kind import NotReadyError
 from ..blender_addon.scattering.files import MEASURED, scattering_files
-from ..blender_addon.scattering.look_nodes import show_look, show_when_ready
 from ..blender_addon.scattering.settings import active_material
 from ..engine.errors import LumenrayError
-from ..engine.scattering.readers.reader import ENDINGS
+from ..engine.scattering.file_names import ENDINGS
+from ..imports import loaded_when_used
 from .file_operators import (
     FileOperator,
     LoadFile,
@@ -18,6 +18,9 @@ from .file_operators import (
     WithFile,
     tell,
 )
+
+with loaded_when_used():
+    from ..blender_addon.scattering import look_nodes
 
 FILTER = ";".join(f"*{ending}" for ending in ENDINGS)
 """Names that the file browser shows; what a file is follows from its content."""
@@ -40,9 +43,9 @@ class ActiveScattering(FileOperator):
         try:
             reading = scattering_files.obtain(settings, is_patient=bpy.app.background)
         except NotReadyError:
-            show_when_ready(settings.id_data)
+            look_nodes.show_when_ready(settings.id_data)
             return {"INFO"}, f"{scattering_files.name_of(settings)} is being read"
-        show_look(settings.id_data, reading.look)
+        look_nodes.show_look(settings.id_data, reading.look)
         words = f"{scattering_files.name_of(settings)}: {reading.file.format}"
         return tell(words, reading.file.remarks)
 
@@ -110,7 +113,7 @@ class LUMENRAY_OT_fit_scattering_look(ActiveScattering, WithFile, bpy.types.Oper
 
     def work(self, context, settings):
         material = settings.id_data
-        show_look(material, scattering_files.obtain(settings).look)
+        look_nodes.show_look(material, scattering_files.obtain(settings).look)
         return {"INFO"}, f"'{material.name}' looks like {scattering_files.name_of(settings)}"
 
 

@@ -3,12 +3,15 @@
 import bpy
 from bpy.props import EnumProperty
 
-from ..blender_addon.bake import images as baked_images
-from ..blender_addon.bake import look as baked_look
 from ..blender_addon.bake import results as baked_results
 from ..blender_addon.bake.settings import LumenrayLookSettings
 from ..blender_addon.foundation.report import Severity
 from ..engine.errors import LumenrayError
+from ..imports import loaded_when_used
+
+with loaded_when_used():
+    from ..blender_addon.bake import images as baked_images
+    from ..blender_addon.bake import look as baked_look
 
 LOOKS = LumenrayLookSettings.__annotations__["kind"].keywords["items"]
 

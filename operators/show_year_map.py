@@ -3,13 +3,16 @@
 import bpy
 from bpy.props import EnumProperty
 
-from ..blender_addon.bake import look as baked_look
-from ..blender_addon.bake import year_images
 from ..blender_addon.bake.results import unchanged
 from ..blender_addon.readout import title_case
-from ..engine.baking.year_maps import KINDS
+from ..engine.baking.year_figures import KINDS
 from ..engine.errors import LumenrayError
+from ..imports import loaded_when_used
 from .show_baked import show_materials, tell
+
+with loaded_when_used():
+    from ..blender_addon.bake import look as baked_look
+    from ..blender_addon.bake import year_images
 
 FIGURES = [
     (kind.name, title_case(kind.title), kind.title, number) for number, kind in enumerate(KINDS)

@@ -1,12 +1,16 @@
 """The sun of a photo, by a thing's foot, and by dragging from its top to the end of its shadow."""
 
 import bpy
-import numpy as np
 from bpy_extras.view3d_utils import location_3d_to_region_2d
 
-from ..blender_addon import shadow_sun
-from ..blender_addon.sky import angles
+from ..blender_addon.sun_direction import angles
 from ..engine.errors import LumenrayError
+from ..imports import loaded_when_used
+
+with loaded_when_used():
+    import numpy as np
+
+    from ..blender_addon import shadow_sun
 
 ASKS = (
     "Click the foot of something upright on the ground; Esc ends",
@@ -104,7 +108,7 @@ def _view_of(context):
     return None
 
 
-def _corners(scene, region, view) -> np.ndarray:
+def _corners(scene, region, view) -> "np.ndarray":
     """Where the film's lower left and upper right corner are in a region. (2, 2) [pixel]"""
     camera = scene.camera
     frame = np.array([camera.matrix_world @ each for each in camera.data.view_frame(scene=scene)])

@@ -4,7 +4,11 @@ import json
 
 import bpy
 
-from ..blender_addon.foundation import device_trials, running_trials
+from ..blender_addon.foundation import running_trials
+from ..imports import loaded_when_used
+
+with loaded_when_used():
+    from ..blender_addon.foundation import device_trials
 
 TEXT = "Lumenray Devices"
 """Name of the text that holds the answers."""

@@ -1,11 +1,15 @@
 """Dragging the sun of a photo or of the world's picture in a 3D view."""
 
 import bpy
-import numpy as np
 from bpy_extras.view3d_utils import region_2d_to_origin_3d, region_2d_to_vector_3d
 
-from ..blender_addon.sky import angles
-from ..blender_addon.sun_handle import drag_handle, find_handle, find_towards, is_in_front
+from ..blender_addon.sun_direction import angles
+from ..imports import loaded_when_used
+
+with loaded_when_used():
+    import numpy as np
+
+    from ..blender_addon import sun_handle
 
 
 class LUMENRAY_OT_turn_sun(bpy.types.Operator):
@@ -25,24 +29,28 @@ class LUMENRAY_OT_turn_sun(bpy.types.Operator):
         return True
 
     def invoke(self, context, event):
-        self.handle = find_handle(context.scene, context.object, self.middle)
+        self.handle = sun_handle.find_handle(context.scene, context.object, self.middle)
         if self.handle is None:
             self.report({"ERROR"}, "There is no sun to drag: analyse the world's picture first")
             return {"CANCELLED"}
-        self.is_front = is_in_front(self.handle, self._ray(context, event)[0])
+        self.is_front = sun_handle.is_in_front(self.handle, self._ray(context, event)[0])
         context.window_manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
 
     def modal(self, context, event):
         if event.type in {"RIGHTMOUSE", "ESC"}:
-            drag_handle(context.scene, self.handle, self.handle.towards)
+            sun_handle.drag_handle(context.scene, self.handle, self.handle.towards)
             return self._end(context, {"CANCELLED"})
         if event.type == "LEFTMOUSE" and event.value == "RELEASE":
             return self._end(context, {"FINISHED"})
         if event.type == "MOUSEMOVE":
-            towards = find_towards(self.handle, *self._ray(context, event), self.is_front)
-            drag_handle(context.scene, self.handle, towards)
-            shown = find_handle(context.scene, context.object, self.middle) or self.handle
+            towards = sun_handle.find_towards(
+                self.handle, *self._ray(context, event), self.is_front
+            )
+            sun_handle.drag_handle(context.scene, self.handle, towards)
+            shown = (
+                sun_handle.find_handle(context.scene, context.object, self.middle) or self.handle
+            )
             elevation, azimuth = np.degrees(angles(shown.towards))
             context.area.header_text_set(f"Sun {elevation:.1f}° high at {azimuth % 360.0:.1f}°")
         return {"RUNNING_MODAL"}

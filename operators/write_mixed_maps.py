@@ -2,9 +2,12 @@
 
 import bpy
 
-from ..blender_addon.bake import mixing
 from ..blender_addon.readout import format_number
 from ..engine.errors import LumenrayError
+from ..imports import loaded_when_used
+
+with loaded_when_used():
+    from ..blender_addon.bake import mixing
 
 MOST_TOLD = 3
 """Objects that are told in the status line."""

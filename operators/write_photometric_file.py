@@ -6,9 +6,12 @@ import bpy
 from bpy.props import StringProperty
 from bpy_extras.io_utils import ExportHelper
 
-from ..blender_addon.sensors.goniometers import write_intensities
-from ..blender_addon.sensors.readings import readings_of
 from ..engine.errors import LumenrayError
+from ..imports import loaded_when_used
+
+with loaded_when_used():
+    from ..blender_addon.sensors import goniometers
+    from ..blender_addon.sensors import readings as sensor_readings
 
 
 class LUMENRAY_OT_write_photometric_file(bpy.types.Operator, ExportHelper):
@@ -25,7 +28,11 @@ class LUMENRAY_OT_write_photometric_file(bpy.types.Operator, ExportHelper):
     @classmethod
     def poll(cls, context):
         thing = context.object
-        readings = readings_of(thing) if thing is not None and thing.type == "EMPTY" else None
+        readings = (
+            sensor_readings.readings_of(thing)
+            if thing is not None and thing.type == "EMPTY"
+            else None
+        )
         if readings is not None and readings.is_distribution:
             return True
         cls.poll_message_set("Measure the goniometer first")
@@ -40,7 +47,9 @@ class LUMENRAY_OT_write_photometric_file(bpy.types.Operator, ExportHelper):
     def execute(self, context):
         empty, path = context.object, Path(bpy.path.abspath(self.filepath))
         try:
-            remarks = write_intensities(readings_of(empty), empty.name, path)
+            remarks = goniometers.write_intensities(
+                sensor_readings.readings_of(empty), empty.name, path
+            )
         except LumenrayError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}

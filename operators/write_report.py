@@ -7,13 +7,17 @@ import bpy
 
 from ..blender_addon import feedback
 from ..blender_addon.foundation import background_job
-from ..blender_addon.reporting import files, gathering, picture
-from ..blender_addon.sensors.places import find_sensors
-from ..blender_addon.sensors.readings import readings_of
-from ..blender_addon.sync.scene import convert_scene
+from ..blender_addon.reporting import picture
+from ..blender_addon.sensors.settings import find_sensors
 from ..engine.errors import FileFormatError, LumenrayError
-from ..engine.reporting.pdf_file import require_reportlab
+from ..imports import loaded_when_used
 from .background_operator import BackgroundOperator
+
+with loaded_when_used():
+    from ..blender_addon.reporting import files, gathering
+    from ..blender_addon.sensors import readings
+    from ..blender_addon.sync import scene
+    from ..engine.reporting import pdf_file
 
 
 class LUMENRAY_OT_write_report(BackgroundOperator, bpy.types.Operator):
@@ -30,7 +34,7 @@ class LUMENRAY_OT_write_report(BackgroundOperator, bpy.types.Operator):
         if background_job.is_running(picture.NAME):
             cls.poll_message_set("A report is being made already; Esc cancels it")
             return False
-        if any(readings_of(empty) is not None for empty in find_sensors(context.scene)):
+        if any(readings.readings_of(empty) is not None for empty in find_sensors(context.scene)):
             return True
         cls.poll_message_set("Measure the sensors of the scene first")
         return False
@@ -41,13 +45,13 @@ class LUMENRAY_OT_write_report(BackgroundOperator, bpy.types.Operator):
         self._path = _absolute(settings.filepath)
         files.check_name(self._path)
         if settings.use_pdf:
-            require_reportlab()
+            pdf_file.require_reportlab()
         depsgraph = context.evaluated_depsgraph_get()
         if settings.use_picture and context.scene.camera is not None:
             self._job, self._report = picture.prepare(depsgraph)
         else:
             # What cannot be taken over is told in any case.
-            self._job, self._report = None, convert_scene(depsgraph).report
+            self._job, self._report = None, scene.convert_scene(depsgraph).report
 
     def _finish(self, context):
         settings = context.scene.lumenray.report

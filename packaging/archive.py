@@ -26,7 +26,7 @@ ZIP_TIME = (2020, 1, 1, 0, 0, 0)
 
 def source_files(rooms) -> list[Path]:
     """Return the files of the extension itself, relative to the root."""
-    files = [Path("__init__.py"), Path("LICENSE")]
+    files = [Path("__init__.py"), Path("imports.py"), Path("LICENSE")]
     for room in rooms:
         for path in sorted((ROOT / room).rglob("*")):
             relative = path.relative_to(ROOT)

@@ -3,17 +3,20 @@
 import bpy
 
 from ..blender_addon import readout
-from ..blender_addon.bake import folders as bake_folders
-from ..blender_addon.bake import images as baked_images
-from ..blender_addon.bake import job as bake
 from ..blender_addon.bake.error_graph import graph
 from ..blender_addon.luminaires.settings import is_luminaire
+from ..imports import loaded_when_used
 from .light import LightPanel
 from .material import MaterialPanel
 from .parts import PropertiesPanel, draw_choice, draw_icon, draw_lines, draw_text
 from .presets import draw_presets
 from .sidebar import SidebarPanel
 from .world import WorldPanel
+
+with loaded_when_used():
+    from ..blender_addon.bake import folders as bake_folders
+    from ..blender_addon.bake import images as baked_images
+    from ..blender_addon.bake import job as bake
 
 STOPS = (
     ("error", "error_percent", "Error"),

@@ -2,10 +2,14 @@
 
 import bpy
 
-from ..blender_addon.daylight_year import results, running
+from ..blender_addon.daylight_year import running
 from ..blender_addon.daylight_year.settings import IRRADIANCES
+from ..imports import loaded_when_used
 from .parts import draw_lines
 from .world import WorldPanel
+
+with loaded_when_used():
+    from ..blender_addon.daylight_year import results
 
 
 class LUMENRAY_PT_daylight_year(WorldPanel, bpy.types.Panel):

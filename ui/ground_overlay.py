@@ -2,12 +2,16 @@
 
 import bpy
 import gpu
-import numpy as np
 from gpu_extras.batch import batch_for_shader
 from mathutils import Matrix
 
-from ..blender_addon.sun_handle import find_handle
+from ..imports import loaded_when_used
 from .sun_arc import SUN_COLOUR, is_seen
+
+with loaded_when_used():
+    import numpy as np
+
+    from ..blender_addon import sun_handle
 
 COLOUR, WIDTH = (0.85, 0.35, 0.3, 0.8), 1.2
 """Of its lines, as red as those of the reference system; width [pixel]."""
@@ -20,7 +24,7 @@ ARROW = 1.0
 """Length of the arrow, over that of Blender's own."""
 
 
-def make_lines() -> np.ndarray:
+def make_lines() -> "np.ndarray":
     """Return pairs of points on the plane of radius 1. (n, 3)"""
     angle = 2.0 * np.pi * np.arange(SIDES + 1) / SIDES
     circle = np.stack([np.cos(angle), np.sin(angle), np.zeros(SIDES + 1)], axis=1)
@@ -43,7 +47,7 @@ def place_of(scene) -> tuple[float, float, float, float] | None:
 
 def handle_of(context):
     """Return the sun that can be dragged, as `find_handle`, None without one."""
-    return find_handle(
+    return sun_handle.find_handle(
         context.scene, context.object, (place_of(context.scene) or (0.0, 0.0, 0.0))[:3]
     )
 

@@ -4,9 +4,11 @@ import bpy
 
 from ..blender_addon import readout
 from ..blender_addon.file_assets.settings import settings_used
-from ..blender_addon.sync.lights.kinds import kind_of
-from ..blender_addon.sync.lights.portals import is_portal
+from ..imports import loaded_when_used
 from .parts import PropertiesPanel, draw_colour, draw_description, draw_spectrum, draw_wide
+
+with loaded_when_used():
+    from ..blender_addon.sync.lights import kinds, portals
 
 
 def draw_shape(layout, light) -> None:
@@ -18,7 +20,7 @@ def draw_shape(layout, light) -> None:
         if luminaire.emission == "LIGHT":
             _draw_size(layout, light)
         return
-    for name in kind_of(light).settings:
+    for name in kinds.kind_of(light).settings:
         if name in DRAWN:
             DRAWN[name](layout, light)
         else:
@@ -58,7 +60,7 @@ def _draw_portal(layout, light) -> None:
 
 
 def _draw_spread(layout, light) -> None:
-    if not is_portal(light):
+    if not portals.is_portal(light):
         layout.prop(light, "spread")
 
 
@@ -128,7 +130,7 @@ class LUMENRAY_PT_light_photometry(LightPanel, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context):
-        if not super().poll(context) or is_portal(context.light):
+        if not super().poll(context) or portals.is_portal(context.light):
             return False
         light = context.light
         if settings_used(light, "rayset") is not None:

@@ -2,10 +2,14 @@
 
 import bpy
 
-from ..blender_addon import light_list, shown_lights
+from ..blender_addon import shown_lights
+from ..imports import loaded_when_used
 from .compatibility import ENGINE
 from .parts import draw_lines, draw_text
 from .sidebar import SidebarPanel
+
+with loaded_when_used():
+    from ..blender_addon import light_list
 
 
 class LUMENRAY_UL_lights(bpy.types.UIList):

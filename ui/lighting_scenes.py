@@ -2,12 +2,15 @@
 
 import bpy
 
-from ..blender_addon.rendering import lighting_scenes
-from ..blender_addon.sensors import scene_verdicts
 from ..engine.errors import LumenrayError
+from ..imports import loaded_when_used
 from .compatibility import ENGINE
 from .parts import PropertiesPanel, draw_lines, draw_text
 from .sidebar import SidebarPanel
+
+with loaded_when_used():
+    from ..blender_addon.rendering import lighting_scenes
+    from ..blender_addon.sensors import scene_verdicts
 
 NO_GROUPS = "Keep light groups apart in the panel Light Mix; lighting scenes say how they shine"
 

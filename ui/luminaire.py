@@ -2,11 +2,11 @@
 
 import bpy
 
-from ..blender_addon.luminaires import readout
 from ..blender_addon.luminaires.files import photometric_files
 from ..blender_addon.luminaires.preview import pictures
 from ..blender_addon.luminaires.settings import active_settings
 from ..blender_addon.raysets.settings import is_rayset
+from ..imports import loaded_when_used
 from .file_parts import LABELS, draw_file, draw_picture, draw_remarks
 from .parts import (
     PropertiesPanel,
@@ -16,6 +16,9 @@ from .parts import (
     draw_text,
     draw_wide,
 )
+
+with loaded_when_used():
+    from ..blender_addon.luminaires import readout
 
 BOTH = "A ray set is on too and gives the light: switch one off"
 """Said of a luminaire that a file from elsewhere holds together with a ray set."""

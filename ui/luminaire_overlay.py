@@ -9,7 +9,6 @@ from dataclasses import dataclass, field
 
 import bpy
 import gpu
-import numpy as np
 from bpy.app.handlers import persistent
 from gpu_extras.batch import batch_for_shader
 from mathutils import Matrix
@@ -17,8 +16,13 @@ from mathutils import Matrix
 from ..blender_addon.foundation import preferences
 from ..blender_addon.foundation.handlers import leave, listen
 from ..blender_addon.foundation.units import metres_per_unit
-from ..blender_addon.luminaires import places as luminaire_places
-from ..blender_addon.luminaires.solid import PLANES, make_curve, make_outline, make_solid
+from ..imports import loaded_when_used
+
+with loaded_when_used():
+    import numpy as np
+
+    from ..blender_addon.luminaires import places as luminaire_places
+    from ..blender_addon.luminaires import solid as luminaire_solid
 
 SOLID_COLOUR = (1.0, 0.86, 0.48)
 """Colour of what faces the light of the solid; darker where it does not."""
@@ -48,7 +52,7 @@ class _Shown:
     """What a 3D view shows until something of the scene changes."""
 
     places: list
-    centres: np.ndarray
+    centres: "np.ndarray"
     radius: float
     lines: object = None
 
@@ -135,7 +139,7 @@ def _solid(shader, place, level):
     key = (place.digest, level)
     if key not in _cache.solids:
         _, columns, rows = luminaire_places.LEVELS[level]
-        solid = make_solid(place.distribution, columns, rows)
+        solid = luminaire_solid.make_solid(place.distribution, columns, rows)
         _trim(_cache.solids)
         _cache.solids[key] = _solid_batch(shader, solid) if len(solid.triangles) else None
     return _cache.solids[key]
@@ -149,7 +153,7 @@ def _solid_batch(shader, solid):
     return batch_for_shader(shader, "TRIS", content, indices=solid.triangles)
 
 
-def _lines(shown, metres) -> tuple[np.ndarray, np.ndarray]:
+def _lines(shown, metres) -> "tuple[np.ndarray, np.ndarray]":
     """Return curves and openings of all luminaires as pairs of points in the world, with colours."""
     count = CURVE_POINTS if len(shown.places) <= MANY else FEW_POINTS
     alike = defaultdict(list)
@@ -157,7 +161,7 @@ def _lines(shown, metres) -> tuple[np.ndarray, np.ndarray]:
         alike[place.digest, place.opening].append(place)
     points, colours = [np.zeros((0, 3))], [np.zeros((0, 4))]
     for places in alike.values():
-        outline = make_outline(places[0].opening).reshape(-1, 3) / metres
+        outline = luminaire_solid.make_outline(places[0].opening).reshape(-1, 3) / metres
         curves = [shown.radius * curve for curve in _curves(places[0], count)]
         turns, frames, centres = (
             np.array([getattr(place, name) for place in places])
@@ -174,11 +178,14 @@ def _lines(shown, metres) -> tuple[np.ndarray, np.ndarray]:
     return np.concatenate(points).astype(np.float32), np.concatenate(colours).astype(np.float32)
 
 
-def _curves(place, count) -> list[np.ndarray]:
+def _curves(place, count) -> "list[np.ndarray]":
     """Both curves of a luminaire as pairs of points. (n, 3) each"""
     key = (place.digest, count)
     if key not in _cache.curves:
-        curves = [make_curve(place.distribution, plane, count) for plane in PLANES]
+        curves = [
+            luminaire_solid.make_curve(place.distribution, plane, count)
+            for plane in luminaire_solid.PLANES
+        ]
         _trim(_cache.curves)
         _cache.curves[key] = [
             np.stack([curve[:-1], curve[1:]], axis=1).reshape(-1, 3) for curve in curves

@@ -2,7 +2,7 @@
 
 import bpy
 
-from ..blender_addon.sync.materials.overrides import MODELS
+from ..blender_addon.surface_models import MODELS
 from .parts import PropertiesPanel, draw_spectrum, draw_surface, draw_wide
 
 

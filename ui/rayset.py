@@ -4,11 +4,14 @@ import bpy
 
 from ..blender_addon.file_assets.settings import settings_used
 from ..blender_addon.luminaires.settings import is_luminaire
-from ..blender_addon.raysets import readout
 from ..blender_addon.raysets.files import ray_files
 from ..blender_addon.raysets.settings import active_rays
+from ..imports import loaded_when_used
 from .file_parts import LABELS, draw_file_row, draw_problem, draw_remarks
 from .parts import PropertiesPanel, draw_lines, draw_spectrum, draw_text, draw_wide
+
+with loaded_when_used():
+    from ..blender_addon.raysets import readout
 
 
 class RaysetPanel(PropertiesPanel):

@@ -4,17 +4,21 @@ from weakref import WeakKeyDictionary
 
 import bpy
 import gpu
-import numpy as np
 from bpy.app.handlers import persistent
 from gpu_extras.batch import batch_for_shader
 from mathutils import Matrix
 
 from ..blender_addon.foundation.handlers import leave, listen
-from ..blender_addon.foundation.pose import pose_of
 from ..blender_addon.foundation.units import metres_per_unit
-from ..blender_addon.raysets import readout as rayset_readout
-from ..blender_addon.raysets.cloud_drawing import make_points, make_rays
 from ..engine.errors import SceneError
+from ..imports import loaded_when_used
+
+with loaded_when_used():
+    import numpy as np
+
+    from ..blender_addon.foundation import pose
+    from ..blender_addon.raysets import cloud_drawing
+    from ..blender_addon.raysets import readout as rayset_readout
 
 POINT_COLOUR = (1.0, 0.62, 0.2, 0.9)
 RAY_COLOUR = (1.0, 0.86, 0.48, 0.75)
@@ -55,7 +59,7 @@ def _draw_light(context, thing, light) -> None:
     metres = metres_per_unit(context.scene)
     try:
         # As the engine places it: size as in the file, whatever the object's scale.
-        place = Matrix(pose_of(thing.matrix_world, metres).frame)
+        place = Matrix(pose.pose_of(thing.matrix_world, metres).frame)
     except SceneError:
         return
     place.translation = thing.matrix_world.translation
@@ -87,9 +91,11 @@ def _shape(light):
     """Batches of points and rays of a light. [m]"""
     kept = _batches.get(light)
     if kept is None:
-        ends = make_rays(light)
+        ends = cloud_drawing.make_rays(light)
         colours = np.tile([RAY_COLOUR, FADED], (len(ends) // 2, 1)).astype(np.float32)
-        points = batch_for_shader(_point_shader()[0], "POINTS", {"pos": make_points(light)})
+        points = batch_for_shader(
+            _point_shader()[0], "POINTS", {"pos": cloud_drawing.make_points(light)}
+        )
         shader = gpu.shader.from_builtin("POLYLINE_SMOOTH_COLOR")
         rays = batch_for_shader(shader, "LINES", {"pos": ends, "color": colours})
         kept = _batches[light] = (points, rays)

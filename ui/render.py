@@ -3,9 +3,12 @@
 import bpy
 
 from ..blender_addon import readout
-from ..engine.analysis.denoiser import find_denoiser
+from ..imports import loaded_when_used
 from .parts import PropertiesPanel, draw_stop, draw_text
 from .presets import draw_presets
+
+with loaded_when_used():
+    from ..engine.analysis import denoiser
 
 NO_DENOISER = (
     "Not installed: install the zip lumenray-denoiser for this platform as you did Lumenray's. Until then pictures are "
@@ -60,7 +63,7 @@ class LUMENRAY_PT_film(RenderPanel, bpy.types.Panel):
         if settings.exposure != "LUMINANCE":
             draw_text(layout, context, readout.describe_exposure(settings), "INFO")
         layout.prop(settings.render, "use_denoising")
-        if settings.render.use_denoising and find_denoiser() is None:
+        if settings.render.use_denoising and denoiser.find_denoiser() is None:
             draw_text(layout, context, NO_DENOISER, "INFO")
         layout.prop(settings.render, "use_spectral_file")
         column = layout.column()

@@ -5,10 +5,13 @@ import bpy
 from ..blender_addon.foundation import background_job
 from ..blender_addon.reporting import picture
 from ..blender_addon.sensors import results
-from ..blender_addon.sensors.places import find_sensors
-from ..blender_addon.sensors.readings import readings_of
+from ..blender_addon.sensors.settings import find_sensors
+from ..imports import loaded_when_used
 from .parts import draw_text
 from .sidebar import SidebarPanel
+
+with loaded_when_used():
+    from ..blender_addon.sensors import readings
 
 HINT = "A report tells what sensors say: add and measure some first"
 
@@ -22,7 +25,7 @@ class LUMENRAY_PT_client_report(SidebarPanel, bpy.types.Panel):
     def draw(self, context):
         layout, scene = self.layout, context.scene
         empties = find_sensors(scene)
-        measured = [empty for empty in empties if readings_of(empty) is not None]
+        measured = [empty for empty in empties if readings.readings_of(empty) is not None]
         if not measured:
             draw_text(layout, context, HINT, "INFO")
             return

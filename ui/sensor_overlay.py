@@ -5,7 +5,6 @@ from dataclasses import dataclass, field
 import blf
 import bpy
 import gpu
-import numpy as np
 from bpy.app.handlers import persistent
 from bpy_extras.view3d_utils import location_3d_to_region_2d
 from gpu_extras.batch import batch_for_shader
@@ -13,10 +12,16 @@ from gpu_extras.batch import batch_for_shader
 from ..blender_addon.foundation.handlers import leave, listen
 from ..blender_addon.foundation.units import metres_per_unit
 from ..blender_addon.rendering.light_mix import levels_of
-from ..blender_addon.sensors import drawing, results
-from ..blender_addon.sensors.drawing import Drawing
-from ..blender_addon.sensors.places import find_sensors
+from ..blender_addon.sensors import results
+from ..blender_addon.sensors.settings import find_sensors
+from ..imports import loaded_when_used
 from .sun_arc import is_seen
+
+with loaded_when_used():
+    import numpy as np
+
+    from ..blender_addon.sensors import drawing
+    from ..blender_addon.sensors import drawing as sensor_drawing
 
 LINE_COLOUR = (0.05, 0.05, 0.05, 1.0)
 TEXT_COLOUR, HALO_COLOUR = (1.0, 1.0, 1.0, 1.0), (0.0, 0.0, 0.0, 1.0)
@@ -48,7 +53,7 @@ class _Cache:
 _cache = _Cache()
 
 
-def drawing_of(context) -> Drawing:
+def drawing_of(context) -> "sensor_drawing.Drawing":
     """Return what the sensors of a view show, made anew only after a change."""
     scene = context.scene
     shown = [e for e in find_sensors(scene) if e.visible_get(view_layer=context.view_layer)]
@@ -96,7 +101,7 @@ def draw_shapes() -> None:
         gpu.state.blend_set(before[1])
 
 
-def _draw_cells(shown: Drawing, metres: float) -> None:
+def _draw_cells(shown: "sensor_drawing.Drawing", metres: float) -> None:
     first = 4 * np.arange(len(shown.corners) // 4)[:, None]
     triangles = np.concatenate([first + np.array([0, 1, 2]), first + np.array([0, 2, 3])]).astype(
         np.int32
@@ -109,7 +114,7 @@ def _draw_cells(shown: Drawing, metres: float) -> None:
     batch_for_shader(shader, "TRIS", content, indices=triangles).draw(shader)
 
 
-def _draw_lines(context, shown: Drawing, metres: float) -> None:
+def _draw_lines(context, shown: "sensor_drawing.Drawing", metres: float) -> None:
     if not len(shown.lines):
         return
     colours = np.tile(np.array(LINE_COLOUR, np.float32), (len(shown.lines), 1))
@@ -164,7 +169,7 @@ def cover(box) -> set[tuple[int, int]]:
     return {(x, y) for x in range(left, right + 1) for y in range(bottom, top + 1)}
 
 
-def _draw_scale(context, shown: Drawing, font: int, zoom: float) -> None:
+def _draw_scale(context, shown: "sensor_drawing.Drawing", font: int, zoom: float) -> None:
     """Draw the bar of colours with its numbers at the lower left."""
     width, height = BAR[0] * zoom, BAR[1] * zoom
     left, bottom = 24.0 * zoom, 40.0 * zoom

@@ -3,11 +3,15 @@
 import bpy
 
 from ..blender_addon.rendering.light_mix import levels_of
-from ..blender_addon.sensors import results, running, verdicts, words
-from ..blender_addon.sensors.places import find_sensors, is_sensor
-from ..blender_addon.sensors.readings import readings_of
+from ..blender_addon.sensors import results, running
+from ..blender_addon.sensors.settings import find_sensors, is_sensor
+from ..imports import loaded_when_used
 from .parts import draw_lines, draw_text, draw_wide
 from .sidebar import SidebarPanel
+
+with loaded_when_used():
+    from ..blender_addon.sensors import readings as sensor_readings
+    from ..blender_addon.sensors import verdicts, words
 
 HINT = "No sensors yet: Add > Sensors, or here"
 
@@ -51,7 +55,7 @@ class LUMENRAY_PT_sensors(SidebarPanel, bpy.types.Panel):
     def _draw_list(self, layout, scene, empties):
         levels, lines = levels_of(scene), []
         for empty in empties:
-            readings = readings_of(empty)
+            readings = sensor_readings.readings_of(empty)
             if readings is None:
                 lines.append((empty.name, "not measured"))
                 continue

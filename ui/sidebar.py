@@ -5,22 +5,25 @@ import bpy
 from ..blender_addon import first_steps, readout
 from ..blender_addon.file_assets.settings import settings_used
 from ..blender_addon.foundation import engine_process
-from ..blender_addon.luminaires import readout as luminaire_readout
 from ..blender_addon.luminaires.files import photometric_files
 from ..blender_addon.luminaires.preview import pictures
 from ..blender_addon.luminaires.settings import settings_of
 from ..blender_addon.raysets.files import ray_files
 from ..blender_addon.raysets.settings import rays_of
 from ..blender_addon.rendering import viewport
-from ..blender_addon.sensors.places import is_sensor
-from ..blender_addon.sync.lights.portals import is_portal
-from ..engine.analysis.denoiser import find_denoiser
+from ..blender_addon.sensors.settings import is_sensor
+from ..imports import loaded_when_used
 from .compatibility import ENGINE
 from .file_parts import LABELS, draw_picture
 from .light import draw_amount, draw_shape
 from .luminaire import draw_flux, draw_luminaire_file, draw_mounting
 from .parts import draw_choice, draw_description, draw_lines, draw_text, draw_wide
 from .rayset import draw_state
+
+with loaded_when_used():
+    from ..blender_addon.luminaires import readout as luminaire_readout
+    from ..blender_addon.sync.lights import portals
+    from ..engine.analysis import denoiser
 
 UNITS = {"FALSE_LUMINANCE": "cd/m²", "FALSE_ILLUMINANCE": "lx"}
 """Unit of the scale of false colours, by what the rendered view shows."""
@@ -100,7 +103,7 @@ class LUMENRAY_PT_view(SidebarPanel, bpy.types.Panel):
         column.prop(settings, "method", text="Method")
         if settings.display in {"PICTURE", "PHOTOGRAPHIC", "VISUAL"}:
             row = column.row()
-            row.active = find_denoiser() is not None
+            row.active = denoiser.find_denoiser() is not None
             row.prop(settings, "use_denoising")
         if context.space_data.shading.type != "RENDERED":
             draw_choice(layout, context.space_data.shading, "type", "RENDERED", "Show Rendered")
@@ -140,7 +143,7 @@ class LUMENRAY_PT_active_light(SidebarPanel, bpy.types.Panel):
         source = context.object
         light = source.data
         layout.label(text=source.name, icon=f"LIGHT_{light.type}")
-        if is_portal(light):
+        if portals.is_portal(light):
             layout.label(text="A portal: gives no light itself", icon="INFO")
             return
         layout.prop(light.lumenray, "use_physical")

@@ -3,14 +3,18 @@
 import blf
 import bpy
 import gpu
-import numpy as np
 from bpy_extras.view3d_utils import location_3d_to_region_2d
 from gpu_extras.batch import batch_for_shader
 from mathutils import Matrix
 
-from ..blender_addon.daylight.arc import SunArc, compass, horizon, lines_above, make_arc
-from ..blender_addon.daylight.moment import Moment, find_moment, frame_of
 from ..engine.errors import LumenrayError
+from ..imports import loaded_when_used
+
+with loaded_when_used():
+    import numpy as np
+
+    from ..blender_addon.daylight import arc as daylight_arc
+    from ..blender_addon.daylight import moment as daylight_moment
 
 DAY_COLOUR, SOLSTICE_COLOUR = (1.0, 0.72, 0.2, 1.0), (1.0, 0.72, 0.2, 0.45)
 """Of the day's arc, and of those of the solstices."""
@@ -34,14 +38,14 @@ TEXT_SIZE = 13.0
 """[point]"""
 
 
-def read_arc(scene) -> tuple[Moment, SunArc] | None:
+def read_arc(scene) -> "tuple[daylight_moment.Moment, daylight_arc.SunArc] | None":
     """Return the moment and the arc that a scene shows, None where it shows none."""
     world = scene.world
     if world is None or not world.lumenray.arc.is_shown:
         return None
     try:
-        moment = find_moment(world, frame_of(scene))
-        return moment, make_arc(moment, is_lifted=world.lumenray.time.use_refraction)
+        moment = daylight_moment.find_moment(world, daylight_moment.frame_of(scene))
+        return moment, daylight_arc.make_arc(moment, is_lifted=world.lumenray.time.use_refraction)
     except LumenrayError:
         # The panel says what is wrong.
         return None
@@ -53,24 +57,26 @@ def is_seen(context) -> bool:
     return overlay.show_overlays and overlay.show_extras
 
 
-def make_lines(moment: Moment, arc: SunArc) -> list[tuple[float, np.ndarray, np.ndarray]]:
+def make_lines(
+    moment: "daylight_moment.Moment", arc: "daylight_arc.SunArc"
+) -> "list[tuple[float, np.ndarray, np.ndarray]]":
     """Return what is drawn about the origin for the radius 1: width [pixel], pairs of points (n, 3), colours (n, 4)."""
     up = np.array([0.0, 0.0, LIFT])
-    cardinal = compass(moment.place.north)
+    cardinal = daylight_arc.compass(moment.place.north)
     ticks = np.array([(mark, (1.0 + TICK) * mark) for _, mark in arc.hours]).reshape(-1, 3)
     north = np.array([0.0 * up, (1.0 + POINT) * cardinal["N"]]) + up
     others = [((1.0 - POINT) * cardinal[letter], cardinal[letter]) for letter in "ESW"]
-    level = np.concatenate([horizon(), np.array(others).reshape(-1, 3)]) + up
+    level = np.concatenate([daylight_arc.horizon(), np.array(others).reshape(-1, 3)]) + up
     thin = [(level, HORIZON_COLOUR)]
-    thin += [(lines_above(way), SOLSTICE_COLOUR) for way in arc.solstices]
+    thin += [(daylight_arc.lines_above(way), SOLSTICE_COLOUR) for way in arc.solstices]
     thin.append((north, NORTH_COLOUR))
     if moment.towards_sun[2] > 0.0:
         thin.append((np.array([0.0 * up, moment.towards_sun]), SUN_COLOUR))
-    thick = [(lines_above(arc.directions), DAY_COLOUR), (ticks, DAY_COLOUR)]
+    thick = [(daylight_arc.lines_above(arc.directions), DAY_COLOUR), (ticks, DAY_COLOUR)]
     return [(width, *_joined(parts)) for width, parts in ((THIN, thin), (THICK, thick))]
 
 
-def _joined(parts) -> tuple[np.ndarray, np.ndarray]:
+def _joined(parts) -> "tuple[np.ndarray, np.ndarray]":
     points = np.concatenate([points for points, _ in parts])
     # Repeated rather than broadcast: rows would lie in memory one column after the other.
     colours = np.repeat(
@@ -105,10 +111,12 @@ def draw_lines() -> None:
         gpu.state.blend_set(before[1])
 
 
-def make_labels(moment: Moment, arc: SunArc) -> list[tuple[str, np.ndarray, tuple]]:
+def make_labels(
+    moment: "daylight_moment.Moment", arc: "daylight_arc.SunArc"
+) -> "list[tuple[str, np.ndarray, tuple]]":
     """Return the texts about the origin for the radius 1: text, where it is (3,), colour (4,)."""
     labels = [(text, (1.0 + 2.2 * TICK) * mark, DAY_COLOUR) for text, mark in arc.hours]
-    for letter, place in compass(moment.place.north).items():
+    for letter, place in daylight_arc.compass(moment.place.north).items():
         colour = NORTH_COLOUR if letter == "N" else (*HORIZON_COLOUR[:3], 1.0)
         labels.append((letter, (1.0 + 1.6 * POINT) * place, colour))
     return labels

@@ -2,11 +2,15 @@
 
 import bpy
 import gpu
-import numpy as np
 from gpu_extras.batch import batch_for_shader
 
 from ..blender_addon.file_assets.settings import settings_used
-from ..blender_addon.sync.lights.kinds import Place, Tube
+from ..imports import loaded_when_used
+
+with loaded_when_used():
+    import numpy as np
+
+    from ..blender_addon.sync.lights import kinds
 
 COLOUR, CHOSEN_COLOUR = (1.0, 0.86, 0.48, 0.6), (1.0, 0.86, 0.48, 1.0)
 """Of tubes, and of selected ones."""
@@ -18,7 +22,7 @@ SEGMENTS, EDGES = 24, 4
 """Around an end, and from end to end."""
 
 
-def make_outline(length: float, radius: float) -> np.ndarray:
+def make_outline(length: float, radius: float) -> "np.ndarray":
     """Ends and edges of a tube along x as pairs of points. (n, 3), in the unit of the numbers"""
     turn = 2.0 * np.pi * np.arange(SEGMENTS + 1) / SEGMENTS
     ring = np.column_stack([0.0 * turn, radius * np.cos(turn), radius * np.sin(turn)])
@@ -29,9 +33,9 @@ def make_outline(length: float, radius: float) -> np.ndarray:
     return np.concatenate([pairs - half, pairs + half, edges]).reshape(-1, 3)
 
 
-def place_outline(thing) -> np.ndarray:
+def place_outline(thing) -> "np.ndarray":
     """Outline of a light object in the world, as the engine places it. (n, 3), in Blender's units"""
-    tube = Tube().make(thing.data, Place("", "", thing.matrix_world, 1.0), None)
+    tube = kinds.Tube().make(thing.data, kinds.Place("", "", thing.matrix_world, 1.0), None)
     return make_outline(tube.length, tube.radius) @ tube.frame[:3, :3].T + tube.frame[:3, 3]
 
 
@@ -45,7 +49,7 @@ def shown_tubes(context) -> list:
 
 def _is_drawn(light) -> bool:
     files = settings_used(light, "rayset"), settings_used(light, "luminaire")
-    return Tube.fits(light) and files == (None, None)
+    return kinds.Tube.fits(light) and files == (None, None)
 
 
 def draw() -> None:

@@ -2,17 +2,15 @@
 
 import bpy
 
-from ..blender_addon.daylight.readout import (
-    describe_moment,
-    describe_place,
-    describe_sky,
-    describe_sun,
-)
-from ..blender_addon.environment.found import describe_found
 from ..blender_addon.foundation.node_trees import uses_nodes
 from ..blender_addon.sky import depends_on_sun, find_sun_lamp, states_level, takes_lamp
+from ..imports import loaded_when_used
 from .compatibility import ENGINE
 from .parts import PropertiesPanel, draw_description, draw_surface, draw_text, draw_wide
+
+with loaded_when_used():
+    from ..blender_addon.daylight import readout
+    from ..blender_addon.environment import found
 
 
 class WorldPanel(PropertiesPanel):
@@ -67,7 +65,7 @@ class LUMENRAY_PT_world_sky(WorldPanel, bpy.types.Panel):
             column.prop(settings, "colour_temperature", text="Daylight [K]")
         column.prop(settings, "ground_reflectance", text="Ground")
         lamp = _draw_sun_of_sky(layout, context, settings)
-        draw_description(layout.box(), context, describe_sky(world, lamp, context.scene))
+        draw_description(layout.box(), context, readout.describe_sky(world, lamp, context.scene))
 
 
 def _draw_kind(layout, settings) -> None:
@@ -147,7 +145,7 @@ class LUMENRAY_PT_world_place(WorldPanel, bpy.types.Panel):
         column.prop(place, "elevation", text="Height [m]")
         column.prop(place, "zone")
         column.prop(place, "north")
-        odd = describe_place(world)
+        odd = readout.describe_place(world)
         if odd:
             draw_text(column, context, odd[:1].upper() + odd[1:], "INFO")
         column = layout.column(align=True)
@@ -162,7 +160,7 @@ class LUMENRAY_PT_world_place(WorldPanel, bpy.types.Panel):
         column.prop(arc, "is_shown")
         if arc.is_shown:
             column.prop(arc, "radius")
-        draw_description(layout.box(), context, describe_moment(world, context.scene))
+        draw_description(layout.box(), context, readout.describe_moment(world, context.scene))
 
 
 class LUMENRAY_PT_world_sun(WorldPanel, bpy.types.Panel):
@@ -186,7 +184,7 @@ class LUMENRAY_PT_world_sun(WorldPanel, bpy.types.Panel):
         elif settings.amount == "HORIZONTAL":
             draw_wide(layout, settings, "horizontal_illuminance", "Horizontal [lx]")
         layout.prop(settings, "turbidity")
-        draw_description(layout.box(), context, describe_sun(world, context.scene))
+        draw_description(layout.box(), context, readout.describe_sun(world, context.scene))
 
 
 class LUMENRAY_PT_world_study(WorldPanel, bpy.types.Panel):
@@ -260,7 +258,7 @@ class LUMENRAY_PT_world_picture(BackgroundPanel, bpy.types.Panel):
         row = layout.row(align=True)
         row.operator("lumenray.load_environment", text="Load", icon="FILE_FOLDER")
         row.operator("lumenray.analyse_environment", text="Analyse", icon="VIEWZOOM")
-        description, words = describe_found(world)
+        description, words = found.describe_found(world)
         if description.lines:
             box = layout.box()
             draw_description(box, context, description)

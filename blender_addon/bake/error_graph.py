@@ -9,11 +9,15 @@ from concurrent.futures import Future, ThreadPoolExecutor
 
 import bpy
 import bpy.utils.previews
-import numpy as np
 
-from ...engine.accuracy.history import History
-from ...engine.analysis.error_graph import BASE, LEAST_ZOOM, graph_pixels
+from ...imports import loaded_when_used
 from ..foundation.redraw import redraw
+
+with loaded_when_used():
+    import numpy as np
+
+    from ...engine.accuracy import history as accuracy_history
+    from ...engine.analysis import error_graph
 
 INTERVAL = 1.0
 """Shortest time between two graphs. [s]"""
@@ -34,7 +38,7 @@ class ErrorGraph:
     def __init__(self):
         self._icons = None
         self._painter = None
-        self._history: History | None = None
+        self._history: accuracy_history.History | None = None
         self._wanted = self._shown = None
         self._future: Future | None = None
         self._begun = 0.0
@@ -46,7 +50,7 @@ class ErrorGraph:
         """Whether there is anything to show."""
         return self._history is not None
 
-    def note(self, history: History | None) -> None:
+    def note(self, history: "accuracy_history.History | None") -> None:
         """Take a newer history; None: a new bake begins, which has none yet."""
         self._history = history if history is not None and history.marks else None
 
@@ -100,7 +104,7 @@ class ErrorGraph:
             redraw("PROPERTIES", "VIEW_3D")
         return POLL_INTERVAL
 
-    def _keep(self, pixels: np.ndarray) -> None:
+    def _keep(self, pixels: "np.ndarray") -> None:
         """Make the icon of a picture (h, w, 4), row 0 at the bottom."""
         if self._icons is None:
             self._icons = bpy.utils.previews.new()
@@ -110,12 +114,12 @@ class ErrorGraph:
         icon.image_pixels_float.foreach_set(pixels.reshape(-1))
 
 
-def _draw(history: History, side: int, is_dark: bool) -> np.ndarray:
+def _draw(history: "accuracy_history.History", side: int, is_dark: bool) -> "np.ndarray":
     """Draw a graph. Returns (h, w, 4) float32, row 0 at the bottom."""
     height = int(ASPECT * side)
     # The words make the picture higher, and so larger themselves.
-    head = round(max(HEAD * height / (BASE - HEAD), HEAD * LEAST_ZOOM))
-    return graph_pixels(history, size=(side, height + head), dark=is_dark)[:height]
+    head = round(max(HEAD * height / (error_graph.BASE - HEAD), HEAD * error_graph.LEAST_ZOOM))
+    return error_graph.graph_pixels(history, size=(side, height + head), dark=is_dark)[:height]
 
 
 graph = ErrorGraph()

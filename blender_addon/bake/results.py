@@ -12,16 +12,19 @@ from weakref import WeakSet
 import bpy
 from bpy.app.handlers import persistent
 
-from ...engine.baking.order import BakeResult
-from ...engine.scene.scene import Scene
+from ...imports import loaded_when_used
 from ..foundation import open_file
 from ..foundation.handlers import leave, listen
 from ..modelling.wishes import read_wishes
-from ..sensors.places import is_sensor
+from ..sensors.settings import is_sensor
 from ..sync.meshes import MESH_TYPES
-from ..sync.scene import convert_scene
 from ..sync.visibility import LIGHT_RAYS
 from .tables import UNKNOWN
+
+with loaded_when_used():
+    from ...engine.baking import order
+    from ...engine.scene import scene as scene_scene
+    from ..sync import scene as sync_scene
 
 MOST_NAMES = 3
 """Changed data-blocks that are named."""
@@ -70,7 +73,9 @@ class _Tracker:
 _tracker = _Tracker()
 
 
-def store_results(scene, result: BakeResult, folder, changed=(), shortfall: str = "") -> None:
+def store_results(
+    scene, result: "order.BakeResult", folder, changed=(), shortfall: str = ""
+) -> None:
     """Keep a finished bake in place of the one before.
 
     Parameters
@@ -103,8 +108,8 @@ def store_results(scene, result: BakeResult, folder, changed=(), shortfall: str 
 def check_current(scene, depsgraph) -> bool:
     """Compare the scene with the one that was baked, take note of what comes of it and return whether they are the same."""
     kept = scene.lumenray.baked
-    held = Scene()
-    held.apply(convert_scene(depsgraph).delta)
+    held = scene_scene.Scene()
+    held.apply(sync_scene.convert_scene(depsgraph).delta)
     if held.hash() != kept.scene_hash:
         if not kept.changed:
             _note(scene, ["the scene"])

@@ -8,7 +8,8 @@ import numpy as np
 
 from ...engine.errors import SceneError
 from ...engine.sky.air import standard_air
-from ...engine.sky.place import LAST_YEAR, Place, from_local, to_local
+from ...engine.sky.limits import LAST_YEAR
+from ...engine.sky.place import Place, from_local, to_local
 from ...engine.sky.solar_position import DAY, find_sun
 from .moment import Moment
 

@@ -7,19 +7,20 @@ has it evaluated once more before it is rendered. Nothing is written that stands
 import math
 
 import bpy
-import numpy as np
 from bpy.app.handlers import persistent
 
 from ...engine.errors import LumenrayError
-from ...engine.photometry.colour import REC709_LUMINANCE
-from ...engine.sky.solar_position import RADIUS
+from ...imports import loaded_when_used
 from ..foundation.handlers import leave, listen
 from ..foundation.redraw import redraw
-from .moment import Moment, find_moment, follows_frames, frame_of
-from .sunlight import find_sunlight
 
-SUN_ANGLE = math.radians(2.0 * RADIUS)
-"""Diameter of the sun. [rad]"""
+with loaded_when_used():
+    import numpy as np
+
+    from ...engine.photometry import colour as photometry_colour
+    from ...engine.sky import solar_position
+    from . import moment as daylight_moment
+    from . import sunlight as daylight_sunlight
 
 NEAR = 1e-6
 """Relative difference up to which a property holds a number; it is of single precision."""
@@ -60,7 +61,7 @@ def follow(scene, world, shown=None) -> None:
         return
     # What cannot be known is said by the panel and the conversion report; nothing is better than what was at another moment.
     try:
-        moment = find_moment(shown, frame_of(scene))
+        moment = daylight_moment.find_moment(shown, daylight_moment.frame_of(scene))
     except LumenrayError:
         moment = None
     if is_noted:
@@ -84,7 +85,7 @@ def lamp_of(scene, world):
     return lamp if scene.objects.get(lamp.name) == lamp else None
 
 
-def rotation_of(moment: Moment) -> tuple[float, float, float]:
+def rotation_of(moment: "daylight_moment.Moment") -> tuple[float, float, float]:
     """Return Euler angles of a light that shines from the sun: tipped about x, then turned about z. [rad]"""
     x, y, z = (float(value) for value in moment.towards_sun)
     return -math.acos(min(max(z, -1.0), 1.0)), 0.0, -math.atan2(x, y)
@@ -108,14 +109,14 @@ def _prepare(lamp) -> None:
     """Prepare a Sun light for following: physical parameters, the sun's size and the spectrum of sunlight."""
     lamp.rotation_mode = "XYZ"
     data = lamp.data
-    data.angle = SUN_ANGLE
+    data.angle = math.radians(2.0 * solar_position.RADIUS)
     if hasattr(data, "normalize"):
         data.normalize = True
     own = data.lumenray
     own.quantity, own.use_physical, own.spectrum = "ILLUMINANCE", True, "SUNLIGHT"
 
 
-def _turn(lamp, moment: Moment) -> None:
+def _turn(lamp, moment: "daylight_moment.Moment") -> None:
     wanted = rotation_of(moment)
     if lamp.rotation_mode != "XYZ":
         lamp.rotation_mode = "XYZ"
@@ -123,10 +124,10 @@ def _turn(lamp, moment: Moment) -> None:
         lamp.rotation_euler = wanted
 
 
-def _shine(light, world, moment: Moment | None, efficacy: float) -> None:
+def _shine(light, world, moment: "daylight_moment.Moment | None", efficacy: float) -> None:
     """Set a light in Lumenray's terms and, as far as other engines know it, in Blender's; dark where it cannot be known."""
     try:
-        sunlight = None if moment is None else find_sunlight(world, moment)
+        sunlight = None if moment is None else daylight_sunlight.find_sunlight(world, moment)
     except LumenrayError:
         sunlight = None
     if sunlight is None:
@@ -137,7 +138,7 @@ def _shine(light, world, moment: Moment | None, efficacy: float) -> None:
     _set(own, "value", sunlight.illuminance)
     _set(own, "turbidity", world.lumenray.sun.turbidity)
     _set(own, "sun_elevation", math.radians(max(moment.elevation, 0.0)))
-    watts = sunlight.illuminance / (efficacy * float(REC709_LUMINANCE @ colour))
+    watts = sunlight.illuminance / (efficacy * float(photometry_colour.REC709_LUMINANCE @ colour))
     _set(light, "energy", watts / 2.0 ** getattr(light, "exposure", 0.0))
     if not np.allclose(light.color, colour, rtol=0.0, atol=NEAR):
         light.color = colour
@@ -189,7 +190,7 @@ def _after_frame(scene, depsgraph=None) -> None:
     if world is None:
         return
     shown = world if depsgraph is None else world.evaluated_get(depsgraph)
-    if follows_frames(shown):
+    if daylight_moment.follows_frames(shown):
         # Blender does not know that the world depends on the frame.
         world.update_tag()
     follow(scene, world, shown)

@@ -4,11 +4,15 @@ import math
 from collections import Counter
 from functools import lru_cache
 from pathlib import Path
-from zoneinfo import available_timezones
 
-from ...libraries.cities.catalogue import City, all_cities, find_cities, fold
+from ...imports import loaded_when_used
 from ...libraries.entries import Problem
 from ..foundation import preferences
+
+with loaded_when_used():
+    import zoneinfo
+
+    from ...libraries.cities import catalogue
 
 MOST = 100
 """Cities that are offered at once."""
@@ -16,21 +20,21 @@ MOST = 100
 
 def search_cities(self, context, text: str) -> list[str]:
     """Return the titles of cities that a text may mean, for a search field."""
-    return [city.title for city in find_cities(text, known_cities()[0], MOST)]
+    return [city.title for city in catalogue.find_cities(text, known_cities()[0], MOST)]
 
 
 def search_zones(self, context, text: str) -> list[str]:
     """Return names of time zones that contain a text, for a search field."""
-    wanted = fold(text)
-    return [name for name in _zones() if wanted in fold(name)]
+    wanted = catalogue.fold(text)
+    return [name for name in _zones() if wanted in catalogue.fold(name)]
 
 
 @lru_cache
 def _zones() -> list[str]:
-    return sorted(available_timezones())
+    return sorted(zoneinfo.available_timezones())
 
 
-def known_cities() -> tuple[list[City], list[Problem]]:
+def known_cities() -> "tuple[list[catalogue.City], list[Problem]]":
     """Return all cities, and what is wrong with the user's list."""
     return _read(*_list())
 
@@ -49,22 +53,24 @@ def _list() -> tuple[str, int, int]:
 
 
 @lru_cache(maxsize=4)
-def _read(path: str, changed: int, size: int) -> tuple[list[City], list[Problem]]:
-    return all_cities([Path(path)] if path else [])
+def _read(path: str, changed: int, size: int) -> "tuple[list[catalogue.City], list[Problem]]":
+    return catalogue.all_cities([Path(path)] if path else [])
 
 
-def find_city(title: str) -> City | None:
+def find_city(title: str) -> "catalogue.City | None":
     """Return the city of a title, or of a name that only one has; None if there is none."""
-    return _by_name(*_list()).get(fold(title))
+    return _by_name(*_list()).get(catalogue.fold(title))
 
 
 @lru_cache(maxsize=4)
-def _by_name(path: str, changed: int, size: int) -> dict[str, City]:
+def _by_name(path: str, changed: int, size: int) -> "dict[str, catalogue.City]":
     """Cities by folded titles, and by folded names that only one has."""
     cities = _read(path, changed, size)[0]
-    names = Counter(fold(city.name) for city in cities)
-    single = {fold(city.name): city for city in cities if names[fold(city.name)] == 1}
-    return single | {fold(city.title): city for city in cities}
+    names = Counter(catalogue.fold(city.name) for city in cities)
+    single = {
+        catalogue.fold(city.name): city for city in cities if names[catalogue.fold(city.name)] == 1
+    }
+    return single | {catalogue.fold(city.title): city for city in cities}
 
 
 def fill_in_city(place) -> None:

@@ -10,7 +10,7 @@ from ...engine.sky.place import to_local
 from ...engine.sky.skies import ground_luminance, zenith_luminance
 from ..foundation.report import ConversionReport, Severity
 from ..readout import Description, format_amount
-from ..sky import UPWARDS, angles, onto_horizon, towards_lamp
+from ..sun_direction import UPWARDS, angles, onto_horizon, towards_lamp
 from ..sync.skies import SkyTime, convert_sky
 from ..sync.world import follows_sun_lamp
 from .following import lamp_of, rotation_of

@@ -7,8 +7,11 @@ lets them change nothing more.
 import bpy
 from bpy.app.handlers import persistent
 
+from ...imports import loaded_when_used
 from ..foundation.handlers import leave, listen
-from .readout import describe_moment, describe_place, describe_sky
+
+with loaded_when_used():
+    from . import readout
 
 
 def prepare(scene) -> None:
@@ -16,10 +19,10 @@ def prepare(scene) -> None:
     world = scene.world
     if world is None:
         return
-    describe_place(world)
-    describe_moment(world, scene)
+    readout.describe_place(world)
+    readout.describe_moment(world, scene)
     if world.lumenray.source == "CIE":
-        describe_sky(world, None, scene)
+        readout.describe_sky(world, None, scene)
 
 
 @persistent

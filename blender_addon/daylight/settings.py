@@ -13,7 +13,7 @@ from bpy.props import (
 )
 from bpy.types import PropertyGroup
 
-from ...engine.sky.place import FIRST_YEAR, HIGHEST, LAST_YEAR, LOWEST
+from ...engine.sky.limits import FIRST_YEAR, HIGHEST, LAST_YEAR, LOWEST
 from . import following
 from .following import follow_edit
 from .places import fill_in_city, search_cities, search_zones

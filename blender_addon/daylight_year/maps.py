@@ -4,7 +4,8 @@ import bpy
 import numpy as np
 
 from ...engine.analysis.false_colour import draw_false_colour, nice_maximum
-from ...engine.baking.year_maps import COVERAGE, KINDS, Kind, YearMaps
+from ...engine.baking.year_figures import COVERAGE, KINDS, Kind
+from ...engine.baking.year_maps import YearMaps
 from ..bake.images import Content, make_image
 from ..bake.uv_maps import name_map, place_layout
 from ..bake.year_images import FACTS, UV_MAP

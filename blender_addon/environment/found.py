@@ -23,7 +23,7 @@ from ...engine.sky.picture import find_illuminance
 from ..daylight.moment import frame_of, read_place, state_moment
 from ..foundation.report import ConversionReport
 from ..readout import Description, format_amount
-from ..sky import UPWARDS
+from ..sun_direction import UPWARDS
 from ..sun_handle import keep_sun
 from ..sync.world import find_picture
 from ..sync.world_sources import choose_sun, read_coefficients, take_sources

@@ -7,8 +7,11 @@ file or with Blender. Of each kind there is a list of what runs, which has one e
 import logging
 import threading
 
-from ...engine.accuracy.stopping import Progress
 from ...engine.errors import LumenrayError
+from ...imports import loaded_when_used
+
+with loaded_when_used():
+    from ...engine.accuracy import stopping
 
 log = logging.getLogger(__name__)
 
@@ -89,7 +92,7 @@ class BackgroundJob(BackgroundWork):
     def __init__(self, job, session, running: list, name: str, interval: float):
         self.job, self.error = job, None
         self._session, self._name = session, name
-        self._progress: Progress | None = None
+        self._progress: stopping.Progress | None = None
         super().__init__(running, name, interval)
 
     def ask_to_end(self) -> None:
@@ -108,5 +111,5 @@ class BackgroundJob(BackgroundWork):
         finally:
             self._session.close()
 
-    def _note(self, progress: Progress) -> None:
+    def _note(self, progress: "stopping.Progress") -> None:
         self._progress = progress

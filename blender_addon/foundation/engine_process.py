@@ -1,58 +1,75 @@
 """The one worker of this Blender: started when it is needed, ended with the file, the extension or Blender."""
 
 import atexit
+from dataclasses import dataclass
 from pathlib import Path
 
 from bpy.app.handlers import persistent
 
-from ...engine.worker.client import RemoteSession, Worker
+from ...imports import loaded_when_used
 from .handlers import leave, listen
 from .preferences import device, memory_limit
+
+with loaded_when_used():
+    from ...engine.worker import client
 
 ROOT = Path(__file__).resolve().parents[2]
 """Folder of the package, which has other names inside Blender."""
 
-_worker = Worker(ROOT)
+
+@dataclass
+class _State:
+    """The worker once there was a session, and the device that its next process is started for; empty: try them then."""
+
+    worker: "client.Worker | None" = None
+    device: str = ""
 
 
-def open_session(name: str) -> RemoteSession:
+_state = _State()
+
+
+def open_session(name: str) -> "client.RemoteSession":
     """Return the engine's session of a name, an empty one if it is new. Starts the worker if need be.
 
     Raises
     ------
     EngineLost    The worker cannot be started; the text says why.
     """
-    if not _worker.is_alive:
-        _worker.memory_limit = memory_limit()
-        if device():
-            _worker.device = device()
-        _worker.start()
-    return _worker.session(name)
+    if _state.worker is None:
+        _state.worker = client.Worker(ROOT)
+    if not _state.worker.is_alive:
+        _state.worker.memory_limit = memory_limit()
+        _state.worker.device = device() or _state.device
+        _state.worker.start()
+    return _state.worker.session(name)
 
 
 def note_device(key: str) -> None:
     """Take the device that the probe found to work when the engine starts next; empty: try them then."""
-    _worker.device = key
+    _state.device = key
 
 
 def is_running() -> bool:
     """Tell whether there is a process."""
-    return _worker.is_alive
+    return _state.worker is not None and _state.worker.is_alive
 
 
 def pid() -> int | None:
     """Return the number of the process, None without one."""
-    return _worker.pid
+    return None if _state.worker is None else _state.worker.pid
 
 
 def why_lost() -> str | None:
     """Say why the last process is gone; None while one serves, and before the first."""
-    return _worker.lost if not _worker.is_alive else None
+    if _state.worker is None or _state.worker.is_alive:
+        return None
+    return _state.worker.lost
 
 
 def close() -> None:
     """End the process and all its sessions."""
-    _worker.close()
+    if _state.worker is not None:
+        _state.worker.close()
 
 
 @persistent

@@ -10,10 +10,13 @@ import uuid
 from contextlib import contextmanager
 
 import bpy
-import numpy as np
 from bpy.app.handlers import persistent
 
+from ...imports import loaded_when_used
 from .handlers import leave, listen
+
+with loaded_when_used():
+    import numpy as np
 
 COLLECTIONS = ("objects", "lights", "materials", "worlds", "cameras")
 """Names of the collections of ``bpy.data`` whose members carry an identity."""

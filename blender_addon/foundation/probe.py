@@ -11,8 +11,10 @@ import time
 from dataclasses import replace
 from pathlib import Path
 
-from ...engine.transport.backend import BackendStatus
-from ...engine.transport.devices import CHOICE
+from ...imports import loaded_when_used
+
+with loaded_when_used():
+    from ...engine.transport import backend, devices
 
 ROOT = Path(__file__).resolve().parents[2]
 """Folder of the package, which has other names inside Blender."""
@@ -49,7 +51,7 @@ def start_python(script: str, device: str = "") -> subprocess.Popen:
     ------
     OSError    It cannot be started.
     """
-    environment = {**os.environ, CHOICE: device} if device else None
+    environment = {**os.environ, devices.CHOICE: device} if device else None
     return subprocess.Popen(  # noqa: S603 - Blender's own Python and our own text
         [sys.executable, "-I", "-c", BOOTSTRAP + script, str(ROOT), json.dumps(sys.path)],
         stdin=subprocess.DEVNULL,
@@ -76,7 +78,7 @@ class Probe:
         self._lost = ""
         self._begin(device)
 
-    def poll(self) -> BackendStatus | None:
+    def poll(self) -> "backend.BackendStatus | None":
         """Return the answer, None while there is none."""
         if self._answer is not None:
             return self._answer
@@ -85,7 +87,7 @@ class Probe:
         self._collect(0.0)
         return self._answer
 
-    def wait(self, seconds: float = PATIENCE) -> BackendStatus:
+    def wait(self, seconds: float = PATIENCE) -> "backend.BackendStatus":
         """Wait for the answer, no longer than this for each device. [s]"""
         while self._answer is None:
             self._collect(seconds)
@@ -102,7 +104,7 @@ class Probe:
         try:
             self._process = start_python(STATUS, device)
         except OSError as error:
-            self._answer = BackendStatus(
+            self._answer = backend.BackendStatus(
                 False, f"Blender's Python cannot be started: {error}", "reinstall Blender"
             )
 
@@ -112,7 +114,7 @@ class Probe:
             answer, complaint = self._process.communicate(timeout=max(seconds, 1.0))
         except subprocess.TimeoutExpired:
             self.close()
-            self._answer = BackendStatus(
+            self._answer = backend.BackendStatus(
                 False,
                 f"the engine's libraries did not load within {PATIENCE:.0f} s",
                 "check again when the computer is less busy",
@@ -138,7 +140,7 @@ def was_ended(code: int) -> bool:
     return code < 0 or code > 2
 
 
-def read_answer(code: int, answer: str, complaint: str) -> BackendStatus:
+def read_answer(code: int, answer: str, complaint: str) -> "backend.BackendStatus":
     """Turn what the process left behind into a status.
 
     Parameters
@@ -149,13 +151,13 @@ def read_answer(code: int, answer: str, complaint: str) -> BackendStatus:
     for line in answer.splitlines():
         if line.startswith("status="):
             made = json.loads(line.removeprefix("status="))
-            return BackendStatus(**{**made, "found": tuple(made["found"])})
+            return backend.BackendStatus(**{**made, "found": tuple(made["found"])})
     said = last_line(complaint)
     if was_ended(code):
         cause = f"the engine's libraries ended the process that loaded them ({code}: {said})"
-        return BackendStatus(
+        return backend.BackendStatus(
             False,
             cause,
             "choose another device in the preferences, or install another LLVM, then restart",
         )
-    return BackendStatus(False, f"the engine cannot be loaded: {said}", REINSTALL)
+    return backend.BackendStatus(False, f"the engine cannot be loaded: {said}", REINSTALL)

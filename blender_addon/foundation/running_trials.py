@@ -2,8 +2,11 @@
 
 import bpy
 
-from . import device_trials
+from ...imports import loaded_when_used
 from .background_work import BackgroundWork
+
+with loaded_when_used():
+    from . import device_trials
 
 INTERVAL = 0.25
 """How often the window looks whether the answers are there. [s]"""

@@ -13,16 +13,19 @@ from pathlib import Path
 import bpy
 
 from ...engine.errors import LumenrayError
-from ...engine.luminaires.distribution import flux as flux_of
-from ...engine.luminaires.formats.record import LuminaireFile
-from ...engine.luminaires.lamp_spectrum import LampSpectrum, choose_spectrum
 from ...engine.reading.content import read_bytes
 from ...engine.reading.text import find_encoding
-from ...engine.scene.distribution import IntensityDistribution
+from ...imports import loaded_when_used
 from ..file_assets.embedding import EmbeddableKind
 from ..file_assets.kind import NoFileError, State
 from ..file_assets.places import digest_of, stored_path
 from ..file_assets.texts import new_text
+
+with loaded_when_used():
+    from ...engine.luminaires import distribution as luminaire_distribution
+    from ...engine.luminaires import lamp_spectrum as luminaire_lamp_spectrum
+    from ...engine.luminaires.formats import record
+    from ...engine.scene import distribution as scene_distribution
 
 EXTENSIONS = (".ies", ".ldt", ".xml")
 """Of photometric files."""
@@ -52,23 +55,23 @@ class Reading:
     digest : str    SHA-256 of the content, in hexadecimal.
     """
 
-    file: LuminaireFile
+    file: "record.LuminaireFile"
     digest: str
 
     @property
-    def distribution(self) -> IntensityDistribution:
+    def distribution(self) -> "scene_distribution.IntensityDistribution":
         """As it is stored, before any setting turns it."""
         return self.file.distribution
 
     @cached_property
     def flux(self) -> float:
         """Of the distribution. [lm, of radiant files W]"""
-        return flux_of(self.file.distribution)
+        return luminaire_distribution.flux(self.file.distribution)
 
     @cached_property
-    def lamp_spectrum(self) -> LampSpectrum:
+    def lamp_spectrum(self) -> "luminaire_lamp_spectrum.LampSpectrum":
         """What the file says of its lamp."""
-        return choose_spectrum(self.file)
+        return luminaire_lamp_spectrum.choose_spectrum(self.file)
 
 
 def names_tilt_file(data: bytes) -> bool:

@@ -3,10 +3,13 @@
 from dataclasses import dataclass
 
 from ...engine.errors import SceneError
-from ...engine.requirements.decision import Asked
-from ..bake import job as bake
+from ...imports import loaded_when_used
 from ..rendering.render_engine import stop_rule
-from ..sensors import asked as sensors
+
+with loaded_when_used():
+    from ...engine.requirements import decision
+    from ..bake import job as bake
+    from ..sensors import asked as sensors
 
 
 @dataclass(frozen=True)
@@ -28,11 +31,11 @@ class Question:
     transport: str
     words: str
 
-    def asked(self, objects: dict[str, str]) -> Asked:
+    def asked(self, objects: dict[str, str]) -> "decision.Asked":
         """The same for the engine. ``objects``: ids by full name."""
         names = objects if self.names is None else self.names
         keys = frozenset(objects[name] for name in names if name in objects)
-        return Asked(self.error, self.has_colour, keys)
+        return decision.Asked(self.error, self.has_colour, keys)
 
 
 def find_question(scene, selected=()) -> Question:

@@ -2,13 +2,15 @@
 
 from dataclasses import dataclass, field
 
-from ...engine.analysis.explanation import Explanation
 from ...engine.errors import Cancelled
-from ...engine.requirements.decision import Asked
+from ...imports import loaded_when_used
 from ..foundation.report import ConversionReport
-from ..sync.scene import convert_scene
-from ..sync.step import PART_BYTES, split
 from .asked import Question
+
+with loaded_when_used():
+    from ...engine.analysis import explanation
+    from ...engine.requirements import decision
+    from ..sync import scene, step
 
 NAME = "modelling"
 """Of the job."""
@@ -19,9 +21,9 @@ class ModellingJob:
     """Decisions to be made; they are there after `run`."""
 
     parts: list
-    asked: Asked
+    asked: "decision.Asked"
     transport: str
-    answer: Explanation | None = None
+    answer: "explanation.Explanation | None" = None
     _session: object = field(default=None, repr=False)
     _is_cancelled: bool = False
 
@@ -61,7 +63,7 @@ def prepare(depsgraph, question: Question) -> tuple[ModellingJob, ConversionRepo
     depsgraph : bpy.types.Depsgraph    Evaluated.
     question : Question    What they are made for.
     """
-    converted = convert_scene(depsgraph)
-    parts = list(split(converted.delta, PART_BYTES))
+    converted = scene.convert_scene(depsgraph)
+    parts = list(step.split(converted.delta, step.PART_BYTES))
     job = ModellingJob(parts, question.asked(converted.objects), question.transport)
     return job, converted.report

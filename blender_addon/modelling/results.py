@@ -4,12 +4,15 @@ from dataclasses import dataclass
 
 from bpy.app.handlers import persistent
 
-from ...engine.requirements.plan import Plan
 from ...engine.scene.modelling import Modelling
+from ...imports import loaded_when_used
 from ..bake.results import MOST_NAMES, Watch
 from ..foundation.handlers import leave, listen
 from .asked import Question, find_question
 from .wishes import read_wishes
+
+with loaded_when_used():
+    from ...engine.requirements import plan as requirements_plan
 
 
 @dataclass(frozen=True)
@@ -24,7 +27,7 @@ class Answer:
     watch : Watch    What has changed since.
     """
 
-    plan: Plan
+    plan: "requirements_plan.Plan"
     question: Question
     wishes: Modelling
     watch: Watch

@@ -3,8 +3,7 @@
 from bpy.props import EnumProperty, FloatProperty
 from bpy.types import PropertyGroup
 
-from ...engine.requirements.plan import DECISIONS
-from ...engine.scene.modelling import Modelling
+from ...engine.scene.modelling import DESCRIPTIONS, Modelling
 from .. import readout
 from ..foundation.settings import percentage, redraw_views, tag_owner
 
@@ -15,7 +14,7 @@ CHOICES = [
 ]
 """Of every switch; the identifiers are those of the engine's `Switch`."""
 
-SWITCHES = {name: name.replace(" ", "_").replace("-", "_") for name in DECISIONS}
+SWITCHES = {name: name.replace(" ", "_").replace("-", "_") for name in DESCRIPTIONS}
 """Names of the properties, by the names of the decisions."""
 
 PURPOSES = [
@@ -27,11 +26,10 @@ PURPOSES = [
 
 
 def _switch(name: str):
-    """Property of a decision; its tooltip begins with what the decision says of itself."""
-    what = (DECISIONS[name].__doc__ or f"Decide about {name}").strip().splitlines()[0].rstrip(".")
+    """Property of a decision; its tooltip begins with what the decision does."""
     return EnumProperty(
         name=readout.title_case(name),
-        description=f"{what}. Default Automatic: exact, or simplified within the asked error",
+        description=f"{DESCRIPTIONS[name]}. Default Automatic: exact, or simplified within the asked error",
         items=CHOICES,
         default="AUTO",
         update=tag_owner,

@@ -2,14 +2,13 @@
 
 import bpy
 
-from ...engine.raysets.cloud import Fluctuation
-from ...engine.raysets.emission import Wish
-from ...engine.raysets.index import obtain_light, save_light, state_of
-from ...engine.raysets.record import LUMINOUS, RADIANT
-from ...engine.raysets.text import Assumed
+from ...imports import loaded_when_used
 from ...libraries.raysets import FOLDER, PREFIX
 from ..file_assets.kind import FileKind
 from ..file_assets.places import Library
+
+with loaded_when_used():
+    from ...engine.raysets import cloud, emission, index, record, text
 
 KEPT = 16
 """Prepared files that are kept, of 10 MB each at most."""
@@ -32,24 +31,24 @@ class RayFiles(FileKind):
         # Paths whose rays are prepared even if they were kept.
         self._fresh: set[str] = set()
 
-    def terms_of(self, settings) -> Wish:
+    def terms_of(self, settings) -> "emission.Wish":
         position = direction = None
         if settings.use_widths:
             position, direction = 1e-3 * settings.width_position, settings.width_direction
-        fluctuation = Fluctuation(None, position, direction, SYMMETRY[settings.symmetry])
-        quantity = LUMINOUS if settings.is_luminous else RADIANT
-        return Wish(fluctuation, Assumed(settings.unit, quantity))
+        fluctuation = cloud.Fluctuation(None, position, direction, SYMMETRY[settings.symmetry])
+        quantity = record.LUMINOUS if settings.is_luminous else record.RADIANT
+        return emission.Wish(fluctuation, text.Assumed(settings.unit, quantity))
 
     def source(self, settings) -> tuple:
         key, _ = super().source(settings)
         path, wish, is_kept = key[0], key[-1], settings.keep_index
         # Where there is no file, that is told at once.
-        state_of(path, wish)
+        index.state_of(path, wish)
 
         def prepare():
             is_fresh = path in self._fresh
             self._fresh.discard(path)
-            return lambda job: obtain_light(
+            return lambda job: index.obtain_light(
                 path, wish, is_kept, is_fresh, job.tell, job.stop.is_set
             )
 
@@ -74,7 +73,7 @@ class RayFiles(FileKind):
         key, _ = super().source(settings)
         light = self._shelf.ready(key)
         if light is not None:
-            save_light(key[0], light, key[-1])
+            index.save_light(key[0], light, key[-1])
 
 
 ray_files = RayFiles(KEPT, "lumenray-rays")

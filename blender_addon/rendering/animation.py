@@ -3,7 +3,10 @@
 import time
 from dataclasses import dataclass
 
-from ...engine.accuracy.stopping import Progress, format_seconds
+from ...imports import loaded_when_used
+
+with loaded_when_used():
+    from ...engine.accuracy import stopping
 
 RECENT = 8
 """Last frames by which the next ones are judged: what the camera sees changes along a way."""
@@ -38,7 +41,7 @@ class FrameTimes:
             self._taken.append(now - self._begun)
         self._begun = now
 
-    def seconds_left(self, frames: Frames, progress: Progress) -> float | None:
+    def seconds_left(self, frames: Frames, progress: "stopping.Progress") -> float | None:
         """Time until the last frame is done, None before the first one is. [s]
 
         ``progress``: of the frame that is being made; without a forecast of its own it takes as long as others.
@@ -53,10 +56,10 @@ class FrameTimes:
             own = max(each - (time.perf_counter() - self._begun), 0.0)
         return own + (frames.count - frames.number) * each
 
-    def describe(self, frames: Frames, progress: Progress) -> str:
+    def describe(self, frames: Frames, progress: "stopping.Progress") -> str:
         """One line for a status bar: the frame, its state, and when all are done."""
         left = self.seconds_left(frames, progress)
         parts = [f"frame {frames.number} of {frames.count}", progress.text()]
         if left is not None:
-            parts.append(f"{format_seconds(left)} left of all frames")
+            parts.append(f"{stopping.format_seconds(left)} left of all frames")
         return ", ".join(parts)

@@ -3,10 +3,13 @@
 import time
 from dataclasses import dataclass
 
+from ...imports import loaded_when_used
 from ..foundation.report import ConversionReport
-from ..sync.scene_sync import SceneSync
-from ..sync.step import PART_BYTES, SyncStats
 from .animation import FrameTimes
+
+with loaded_when_used():
+    from ..sync import scene_sync
+    from ..sync import step as sync_step
 
 
 @dataclass(frozen=True)
@@ -20,7 +23,7 @@ class Edit:
     revision : int    Of the engine's scene from then on; frames with it show the edit.
     """
 
-    stats: SyncStats
+    stats: "sync_step.SyncStats"
     transfer_seconds: float
     revision: int
 
@@ -41,7 +44,7 @@ class SceneFeed:
 
     def __init__(self, session, final: bool = False, texels: int | None = None):
         self.session = session
-        self.sync = SceneSync(final, texels)
+        self.sync = scene_sync.SceneSync(final, texels)
         self.report = ConversionReport()
         self.frames = FrameTimes()
         self.last: Edit | None = None
@@ -63,7 +66,7 @@ class SceneFeed:
         if not step.delta:
             return None
         start = time.perf_counter()
-        for part in step.parts(PART_BYTES):
+        for part in step.parts(sync_step.PART_BYTES):
             self.session.apply(part)
         seconds = time.perf_counter() - start
         self.last = Edit(step.stats, seconds, self.session.revision)

@@ -7,18 +7,21 @@ own, which editors that showed the result show from then on. What was kept belon
 from dataclasses import dataclass, replace
 
 import bpy
-import numpy as np
 from bpy.app.handlers import persistent
 
-from ...engine.light_mix import Level, LightMix
-from ...engine.photometry.colour import automatic_white, scene_linear
-from ...engine.scene.light_groups import REST
-from ...engine.views import Picture
+from ...imports import loaded_when_used
 from .. import readout
 from ..foundation.exposure import white_luminance
 from ..foundation.handlers import leave, listen
 from ..foundation.redraw import areas, redraw
-from ..light_groups import find_groups
+
+with loaded_when_used():
+    import numpy as np
+
+    from ...engine import light_mix, views
+    from ...engine.photometry import colour as photometry_colour
+    from ...engine.scene import light_groups
+    from .. import light_groups as blender_addon_light_groups
 
 IMAGE = "Lumenray Mix"
 """Name of the image that holds the mix of the last picture."""
@@ -43,7 +46,7 @@ class Kept:
     ``unit``: of the means, lx where illuminance was computed, else cd/m².
     """
 
-    picture: Picture
+    picture: "views.Picture"
     means: dict[str, float]
     unit: str
 
@@ -62,27 +65,31 @@ def groups_of(scene, luminous) -> tuple:
     ------
     SceneError    There are too many.
     """
-    return find_groups(luminous, scene.world, scene.lumenray.light_mix.groups.lower())
+    return blender_addon_light_groups.find_groups(
+        luminous, scene.world, scene.lumenray.light_mix.groups.lower()
+    )
 
 
 def names_of(groups, luminous) -> list[str]:
     """Return the names of all groups, that of the lights in none of them last if there are any."""
     members = {member for group in groups for member in group.members}
-    rest = [REST] if groups and any(key not in members for key, _ in luminous) else []
+    rest = [light_groups.REST] if groups and any(key not in members for key, _ in luminous) else []
     return [group.name for group in groups] + rest
 
 
-def levels_of(scene) -> LightMix:
+def levels_of(scene) -> "light_mix.LightMix":
     """Return how the groups of a scene are to shine; as they are while none are kept apart."""
     settings = scene.lumenray.light_mix
     if settings.groups == "NONE":
-        return LightMix()
+        return light_mix.LightMix()
     return levels_of_rows(settings.rows)
 
 
-def levels_of_rows(rows) -> LightMix:
+def levels_of_rows(rows) -> "light_mix.LightMix":
     """Return the levels that rows of settings say."""
-    return LightMix(tuple(Level(row.name, row.factor, _colour(row), row.is_on) for row in rows))
+    return light_mix.LightMix(
+        tuple(light_mix.Level(row.name, row.factor, _colour(row), row.is_on) for row in rows)
+    )
 
 
 def _colour(row) -> tuple[float, float, float]:
@@ -113,7 +120,7 @@ def is_listed(scene, names) -> bool:
 
 def label_of(name: str) -> str:
     """What a group is called for people."""
-    return OTHERS if name == REST else name
+    return OTHERS if name == light_groups.REST else name
 
 
 # ---- pictures ----
@@ -141,21 +148,21 @@ def _cut(text: str, size: int) -> str:
     return text.encode()[:size].decode(errors="ignore")
 
 
-def mix_picture(scene, picture) -> tuple[Picture, str]:
+def mix_picture(scene, picture) -> "tuple[views.Picture, str]":
     """Return a picture at the levels of a scene, and what they change, in words."""
     levels = levels_of(scene)
     words = levels.text() if picture.groups else ""
     return picture.mixed(levels), f"light mix: {words}" if words else ""
 
 
-def group_layers(picture, white: float) -> dict[str, np.ndarray]:
+def group_layers(picture, white: float) -> "dict[str, np.ndarray]":
     """Light of each group of a picture by the name of its pass, (h, w, 4) float32. ``white``: what becomes 1. [cd/m2]"""
     names = name_passes([group.name for group in picture.groups])
     lights = (shown_light(picture, group, white) for group in picture.groups)
     return dict(zip(names, lights, strict=True))
 
 
-def shown_light(picture, light, white: float) -> np.ndarray:
+def shown_light(picture, light, white: float) -> "np.ndarray":
     """Return what is shown of a picture or of one of its groups, without surroundings where film is clear. (h, w, 4) float32
 
     ``white``: luminance that becomes 1. [cd/m2]
@@ -164,7 +171,7 @@ def shown_light(picture, light, white: float) -> np.ndarray:
     if light.backdrop is not None:
         tristimulus = np.maximum(tristimulus - light.backdrop, 0.0)
     shown = np.ones((*tristimulus.shape[:2], 4), dtype=np.float32)
-    shown[..., :3] = scene_linear(tristimulus, white)
+    shown[..., :3] = photometry_colour.scene_linear(tristimulus, white)
     if picture.coverage is not None:
         shown[..., 3] = picture.coverage
     return shown
@@ -212,7 +219,9 @@ def _paint(scene):
     if kept is None:
         return None
     mixed, _ = mix_picture(scene, kept.picture)
-    white = white_luminance(scene.lumenray) or automatic_white(mixed.tristimulus[..., 1])
+    white = white_luminance(scene.lumenray) or photometry_colour.automatic_white(
+        mixed.tristimulus[..., 1]
+    )
     pixels = shown_light(mixed, mixed, white)
     image = _image(*pixels.shape[1::-1])
     image.pixels.foreach_set(pixels.ravel())

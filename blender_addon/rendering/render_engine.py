@@ -6,28 +6,32 @@ from pathlib import Path
 
 import bpy
 import gpu
-import numpy as np
 from bpy.app.handlers import persistent
 
-from ...engine.accuracy.stopping import StopRule, format_seconds
-from ...engine.analysis.denoiser import find_denoiser
-from ...engine.analysis.looking import filter_noise
 from ...engine.errors import Cancelled, LumenrayError
-from ...engine.photometry.colour import automatic_white, scene_linear
 from ...engine.requirements.budget import tell_parts
-from ...engine.views import ViewSettings
+from ...imports import loaded_when_used
 from .. import assumptions, readout
 from ..feedback import show_render, show_report
 from ..foundation import engine_process
 from ..foundation.exposure import white_luminance
 from ..foundation.handlers import leave, listen
 from ..foundation.report import ConversionReport
-from ..sync.camera import region
-from . import light_mix, preview, view_drawing
+from . import light_mix, view_drawing
 from .animation import Frames
 from .feed import SceneFeed
-from .shutter import render_open_shutter, shutter_of, split_time
 from .viewport import Viewport
+
+with loaded_when_used():
+    import numpy as np
+
+    from ...engine import views
+    from ...engine.accuracy import stopping
+    from ...engine.analysis import denoiser, looking
+    from ...engine.photometry import colour
+    from ..sync import camera as sync_camera
+    from . import preview
+    from . import shutter as rendering_shutter
 
 PASSES = (
     ("Combined", "RGBA", "COLOR"),
@@ -50,13 +54,13 @@ OWN_PASSES = ("Luminance", "Illuminance", *GUIDES)
 """Passes that Blender does not know by itself; they are added to every result."""
 
 
-def view_settings(scene, spectral_file: str | None = None, luminous=()) -> ViewSettings:
+def view_settings(scene, spectral_file: str | None = None, luminous=()) -> "views.ViewSettings":
     """Read what a scene's settings ask of a picture.
 
     ``spectral_file``: where its bands are written; ``luminous``: as of `SceneSync.luminous`, what may be kept apart.
     """
     settings, own = scene.lumenray, scene.lumenray.render
-    return ViewSettings(
+    return views.ViewSettings(
         rule=stop_rule(own.stop, own.samples, own.error, own.time),
         seed=settings.seed,
         illuminance=own.use_pass_illuminance,
@@ -68,17 +72,18 @@ def view_settings(scene, spectral_file: str | None = None, luminous=()) -> ViewS
         preview=light_mix.levels_of(scene),
         method=own.method.lower(),
         unbiased=own.use_unbiased,
-        guides=own.use_pass_denoising or (own.use_denoising and find_denoiser() is not None),
+        guides=own.use_pass_denoising
+        or (own.use_denoising and denoiser.find_denoiser() is not None),
     )
 
 
-def stop_rule(kind: str, samples: int, error: float, seconds: float) -> StopRule:
+def stop_rule(kind: str, samples: int, error: float, seconds: float) -> "stopping.StopRule":
     """Rule from an enum and the three values it chooses from."""
     if kind == "ERROR":
-        return StopRule(error=error)
+        return stopping.StopRule(error=error)
     if kind == "TIME":
-        return StopRule(seconds=seconds)
-    return StopRule(samples=samples)
+        return stopping.StopRule(seconds=seconds)
+    return stopping.StopRule(samples=samples)
 
 
 def wanted_passes(scene, view_layer) -> set[str]:
@@ -96,17 +101,17 @@ def wanted_passes(scene, view_layer) -> set[str]:
     return {name for name, wanted in chosen.items() if wanted}
 
 
-def shown_light(picture) -> np.ndarray:
+def shown_light(picture) -> "np.ndarray":
     """Return X, Y, Z of what a picture shows: without surroundings where its film is transparent. (h, w, 3) [cd/m2]"""
     if picture.backdrop is None:
         return picture.tristimulus
     return np.maximum(picture.tristimulus - picture.backdrop, 0.0)
 
 
-def picture_layers(picture, white: float) -> dict[str, np.ndarray]:
+def picture_layers(picture, white: float) -> "dict[str, np.ndarray]":
     """Name the layers of a `Picture` as passes, (h, w, c) float32. ``white``: luminance that becomes 1. [cd/m2]"""
     combined = np.ones((*picture.depth.shape, 4), dtype=np.float32)
-    combined[..., :3] = scene_linear(shown_light(picture), white)
+    combined[..., :3] = colour.scene_linear(shown_light(picture), white)
     if picture.coverage is not None:
         combined[..., 3] = picture.coverage
     layers = {
@@ -180,7 +185,7 @@ class LumenrayRenderEngine(bpy.types.RenderEngine):
         white = white_luminance(scene.lumenray)
         wanted = wanted_passes(scene, depsgraph.view_layer_eval)
         # Where only a region is rendered Blender's result is that region, and Blender itself puts it into the frame.
-        place = (0, 0, *region(scene.render)[2:])
+        place = (0, 0, *sync_camera.region(scene.render)[2:])
         for name, channels, _ in PASSES:
             if name in wanted and name in OWN_PASSES:
                 self.add_pass(name, len(channels), channels, layer=depsgraph.view_layer_eval.name)
@@ -193,11 +198,11 @@ class LumenrayRenderEngine(bpy.types.RenderEngine):
             finished = True
         finally:
             if shutter is not None:
-                self.frame_set(*split_time(shutter.frame))
+                self.frame_set(*rendering_shutter.split_time(shutter.frame))
             # An abandoned result must be handed back too, else Blender waits for it.
             self.end_result(result, cancel=not finished)
         whole, (picture, told) = picture, light_mix.mix_picture(scene, picture)
-        white = white or automatic_white(picture.tristimulus[..., 1])
+        white = white or colour.automatic_white(picture.tristimulus[..., 1])
         layers = picture_layers(picture, white)
         of_groups = light_mix.group_layers(picture, white)
         for name in of_groups:
@@ -221,19 +226,19 @@ class LumenrayRenderEngine(bpy.types.RenderEngine):
     def _convert(self, depsgraph):
         """Give the scene to the engine; returns its feed, the shutter or None, the camera and the conversion report."""
         feed, report = _final_feed(), ConversionReport()
-        shutter = shutter_of(depsgraph.scene, depsgraph.view_layer_eval)
+        shutter = rendering_shutter.shutter_of(depsgraph.scene, depsgraph.view_layer_eval)
         feed.sync.is_blurred = shutter is not None
         # What is not to be blurred stands as it does halfway, as in Cycles.
         is_apart = shutter is not None and shutter.middle != shutter.frame
         if is_apart:
-            self.frame_set(*split_time(shutter.middle))
+            self.frame_set(*rendering_shutter.split_time(shutter.middle))
         try:
             feed.update(depsgraph)
             report.include(feed.report)
             camera = feed.sync.camera(depsgraph, report)
         finally:
             if is_apart:
-                self.frame_set(*split_time(shutter.frame))
+                self.frame_set(*rendering_shutter.split_time(shutter.frame))
         return feed, shutter, camera, report
 
     def _take(self, depsgraph, feed, camera, asked, shutter, follow):
@@ -252,10 +257,10 @@ class LumenrayRenderEngine(bpy.types.RenderEngine):
         def go_to(time):
             if self.test_break():
                 raise Cancelled("cancelled")
-            self.frame_set(*split_time(time))
+            self.frame_set(*rendering_shutter.split_time(time))
             return depsgraph
 
-        return render_open_shutter(shutter, asked, feed, go_to, render, follow)
+        return rendering_shutter.render_open_shutter(shutter, asked, feed, go_to, render, follow)
 
     def _follow(self, feed, scene, result, white):
         """Return the function that follows the engine's progress."""
@@ -271,8 +276,8 @@ class LumenrayRenderEngine(bpy.types.RenderEngine):
             if preview is not None and progress.done < 1.0:
                 tristimulus = preview()
                 shown = np.ones((*tristimulus.shape[:2], 4), dtype=np.float32)
-                shown[..., :3] = scene_linear(
-                    tristimulus, white or automatic_white(tristimulus[..., 1])
+                shown[..., :3] = colour.scene_linear(
+                    tristimulus, white or colour.automatic_white(tristimulus[..., 1])
                 )
                 _fill(result.layers[0].passes["Combined"], shown)
                 self.update_result(result)
@@ -282,7 +287,7 @@ class LumenrayRenderEngine(bpy.types.RenderEngine):
     def _filter(self, combined, picture, camera) -> str:
         """Filter the noise of what is shown, and say how."""
         self.update_stats("", "Denoising")
-        made = filter_noise(combined[..., :3], picture, camera.aperture_radius > 0.0)
+        made = looking.filter_noise(combined[..., :3], picture, camera.aperture_radius > 0.0)
         combined[..., :3] = made.colour
         if made.problem:
             self.report({"WARNING"}, made.problem)
@@ -387,7 +392,7 @@ def describe_picture(picture, report: ConversionReport, *words: str) -> str:
         f"{made.samples} samples",
         f"error {readout.format_error(picture.relative_error)}"
         + (f" ({shares})" if shares else ""),
-        format_seconds(made.seconds),
+        stopping.format_seconds(made.seconds),
     ]
     counts = readout.describe_counts(row.severity.name for row, _ in report.rows)
     return ", ".join(part for part in (*parts, *words, counts) if part)

@@ -6,14 +6,18 @@ from dataclasses import dataclass
 import blf
 import bpy
 import gpu
-import numpy as np
 from gpu_extras.batch import batch_for_shader
 from gpu_extras.presets import draw_texture_2d
 from mathutils import Matrix
 
-from ...engine.analysis.false_colour import STOPS
+from ...imports import loaded_when_used
 from .. import readout
 from . import viewport
+
+with loaded_when_used():
+    import numpy as np
+
+    from ...engine.analysis import false_colour
 
 SCALE_WIDTH, SCALE_MARGIN, SCALE_STEPS = 18, 24, 64
 """Width of the scale of false colours, its distance from the region's edges, and its bands. [pixel]"""
@@ -79,7 +83,7 @@ class Scale:
     high: float
     unit: str
     is_logarithmic: bool = False
-    greys: np.ndarray | None = None
+    greys: "np.ndarray | None" = None
     statement: str = ""
 
 
@@ -244,10 +248,12 @@ def _value(frame, share: float) -> float:
 
 
 def _colour(share: float) -> tuple:
-    place = share * (len(STOPS) - 1)
-    below = min(int(place), len(STOPS) - 2)
+    place = share * (len(false_colour.STOPS) - 1)
+    below = min(int(place), len(false_colour.STOPS) - 2)
     part = place - below
-    return _for_shader(STOPS[below] * (1.0 - part) + STOPS[below + 1] * part)
+    return _for_shader(
+        false_colour.STOPS[below] * (1.0 - part) + false_colour.STOPS[below + 1] * part
+    )
 
 
 def _for_shader(colour) -> tuple:

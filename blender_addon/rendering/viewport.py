@@ -10,14 +10,17 @@ from dataclasses import dataclass
 import bpy
 
 from ...engine.errors import LumenrayError
-from ...engine.kernel_cache import NewKernels
-from ...engine.views import Display, DisplayMode, Frame, LiveSettings
+from ...imports import loaded_when_used
 from ..foundation import engine_process
 from ..foundation.exposure import white_luminance
 from ..foundation.redraw import areas
 from . import light_mix
 from .feed import SceneFeed
-from .view_camera import view_camera
+
+with loaded_when_used():
+    from ...engine import kernel_cache
+    from ...engine import views as engine_views
+    from . import view_camera as rendering_view_camera
 
 POLL_INTERVAL = 0.02
 """How often the timer looks for frames. [s]"""
@@ -73,13 +76,13 @@ class Viewport:
         self.touched = 0.0
         self.status = Status()
         self.size = (1, 1)
-        self.frame: Frame | None = None
+        self.frame: engine_views.Frame | None = None
         self.frame_number = 0
         self._feed: SceneFeed | None = None
         self._scene_key = None
         self._asked = None
         self._groups = ("NONE", ())
-        self._kernels = NewKernels()
+        self._kernels = kernel_cache.NewKernels()
         _views[self.number] = self
         _start_timer()
 
@@ -114,7 +117,11 @@ class Viewport:
         if self._groups[0] != scene.lumenray.light_mix.groups:
             self._find_groups(scene)
         settings = live_settings(scene, self._groups[1])
-        wanted = (view_camera(context, depsgraph), settings, display_of(scene))
+        wanted = (
+            rendering_view_camera.view_camera(context, depsgraph),
+            settings,
+            display_of(scene),
+        )
         if self._feed is not None and not self._feed.session.is_lost and wanted == self._asked:
             return
         if self._feed is None or self._feed.session.is_lost:
@@ -224,10 +231,10 @@ class Viewport:
         self.status.message, self.status.is_error = message, True
 
 
-def live_settings(scene, groups=()) -> LiveSettings:
+def live_settings(scene, groups=()) -> "engine_views.LiveSettings":
     """Read what the scene's settings ask of a live view. ``groups``: light groups that are kept apart."""
     settings = scene.lumenray
-    return LiveSettings(
+    return engine_views.LiveSettings(
         samples=settings.viewport.samples,
         seed=settings.seed,
         transport=settings.transport.lower(),
@@ -237,11 +244,11 @@ def live_settings(scene, groups=()) -> LiveSettings:
     )
 
 
-def display_of(scene) -> Display:
+def display_of(scene) -> "engine_views.Display":
     """Read how the live view is shown."""
     view = scene.lumenray.viewport
-    return Display(
-        mode=DisplayMode[view.display],
+    return engine_views.Display(
+        mode=engine_views.DisplayMode[view.display],
         white=white_luminance(scene.lumenray),
         low=view.low,
         high=0.0 if view.automatic else view.high,

@@ -14,9 +14,10 @@ from ..rendering import lighting_scenes
 from ..sensors import results
 from ..sensors.drawing import axes_of
 from ..sensors.judging import ALL_LIGHT, UNMIXED
-from ..sensors.places import LUMINANCE, find_sensors, floor_area
+from ..sensors.places import LUMINANCE, floor_area
 from ..sensors.readings import Readings, readings_of
 from ..sensors.scene_verdicts import SceneVerdicts, judge_all
+from ..sensors.settings import find_sensors
 from ..sensors.words import TITLES, brief, describe_light
 from . import picture as pictures
 from .luminaires import find_luminaires

@@ -3,25 +3,24 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
-import numpy as np
-from PIL import Image
-
-from ...engine.accuracy.stopping import Progress, StopRule
-from ...engine.analysis.denoiser import find_denoiser
-from ...engine.analysis.false_colour import encode_display
-from ...engine.analysis.looking import filter_noise
-from ...engine.analysis.value_plan import draw_map, even_scale
 from ...engine.errors import Cancelled, SceneError
-from ...engine.light_mix import LightMix
-from ...engine.photometry.colour import automatic_white, scene_linear
-from ...engine.reporting.results import Shown
-from ...engine.scene.camera import Camera
-from ...engine.scene.scene import SceneDelta
-from ...engine.views import Picture, ViewSettings
+from ...imports import loaded_when_used
 from ..foundation.exposure import white_luminance
 from ..foundation.report import ConversionReport
 from ..rendering.render_engine import shown_light, view_settings
-from ..sync.scene import convert_scene
+
+with loaded_when_used():
+    import numpy as np
+    from PIL import Image
+
+    from ...engine import light_mix, views
+    from ...engine.accuracy import stopping
+    from ...engine.analysis import denoiser, false_colour, looking, value_plan
+    from ...engine.photometry import colour
+    from ...engine.reporting import results
+    from ...engine.scene import camera as scene_camera
+    from ...engine.scene import scene
+    from ..sync import scene as sync_scene
 
 NAME = "report"
 """Of the job."""
@@ -37,15 +36,15 @@ LINE_SMOOTHING = 2
 class PictureJob:
     """A picture to be rendered; it is there after `run`."""
 
-    delta: SceneDelta
-    camera: Camera
-    view: ViewSettings
-    picture: Picture | None = None
+    delta: "scene.SceneDelta"
+    camera: "scene_camera.Camera"
+    view: "views.ViewSettings"
+    picture: "views.Picture | None" = None
     shortfall: str = ""
     _session: object = field(default=None, repr=False)
     _is_cancelled: bool = False
 
-    def run(self, session, progress: Callable[[Progress], None] | None = None) -> None:
+    def run(self, session, progress: "Callable[[stopping.Progress], None] | None" = None) -> None:
         """Render.
 
         Parameters
@@ -71,7 +70,9 @@ class PictureJob:
             self._session.cancel()
 
 
-def prepare(depsgraph, rule: StopRule | None = None) -> tuple[PictureJob, ConversionReport]:
+def prepare(
+    depsgraph, rule: "stopping.StopRule | None" = None
+) -> tuple[PictureJob, ConversionReport]:
     """Return the job of the picture of a scene's camera, and what could not be taken over.
 
     Parameters
@@ -83,39 +84,41 @@ def prepare(depsgraph, rule: StopRule | None = None) -> tuple[PictureJob, Conver
     ------
     SceneError    The scene has no camera.
     """
-    converted = convert_scene(depsgraph)
+    converted = sync_scene.convert_scene(depsgraph)
     if converted.camera is None:
         raise SceneError("the scene has no camera for the picture of the report")
     view = view_settings(depsgraph.scene, None, converted.luminous)
-    guides = find_denoiser() is not None
+    guides = denoiser.find_denoiser() is not None
     view = replace(view, bands=0, rule=rule or view.rule, guides=guides)
     return PictureJob(converted.delta, converted.camera, view), converted.report
 
 
-def show(picture: Picture, levels: LightMix, settings) -> tuple[Shown, ...]:
+def show(
+    picture: "views.Picture", levels: "light_mix.LightMix", settings
+) -> "tuple[results.Shown, ...]":
     """Return a picture at levels of its groups as it is looked at, and in false colours of luminance.
 
     ``settings``: a `LumenraySceneSettings`.
     """
     mixed = picture.mixed(levels)
     luminance = mixed.tristimulus[..., 1]
-    white = white_luminance(settings) or automatic_white(luminance)
-    linear = scene_linear(shown_light(mixed), white)
+    white = white_luminance(settings) or colour.automatic_white(luminance)
+    linear = colour.scene_linear(shown_light(mixed), white)
     words = "as computed"
     if mixed.denoising_normal is not None:
-        made = filter_noise(linear, mixed)
+        made = looking.filter_noise(linear, mixed)
         linear, words = made.colour, made.words or words
-    pixels = encode_display(np.asarray(linear))
+    pixels = false_colour.encode_display(np.asarray(linear))
     told = f"{mixed.provenance.samples} samples a pixel, error of the picture {100.0 * mixed.relative_error:.2g} %"
-    seen = Shown(
+    seen = results.Shown(
         f"What the camera sees; {white:.4g} cd/m² is white; {words}; {told}",
         Image.fromarray(pixels),
     )
     caption = f"mean {float(luminance.mean()):.4g} cd/m², {told}"
     # Lamps are a thousand times as bright as what they light.
-    scale = even_scale(luminance, "cd/m²", is_log=True)
+    scale = value_plan.even_scale(luminance, "cd/m²", is_log=True)
     is_even = mixed.relative_error <= NOISIEST
-    sheet = draw_map(
+    sheet = value_plan.draw_map(
         "Luminance",
         luminance,
         None,
@@ -126,4 +129,6 @@ def show(picture: Picture, levels: LightMix, settings) -> tuple[Shown, ...]:
         smoothing=LINE_SMOOTHING if is_even else 0,
     )
     lines = "with" if is_even else "too noisy for"
-    return seen, Shown(f"Luminance in false colours, {lines} lines of equal luminance", sheet)
+    return seen, results.Shown(
+        f"Luminance in false colours, {lines} lines of equal luminance", sheet
+    )

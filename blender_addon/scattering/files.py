@@ -6,18 +6,20 @@ A file is embedded in our own compact format, whatever its own was.
 from dataclasses import dataclass, is_dataclass, replace
 
 import bpy
-import numpy as np
 
-from ...engine.scattering.data.record import ScatteringFile
-from ...engine.scattering.data.store import SUFFIX, is_store
-from ...engine.scattering.data.store import pack as pack_store
-from ...engine.scattering.data.surface import excess_of
-from ...engine.scattering.look import Look, fit_look
-from ...engine.scattering.readers.reader import MAXIMUM_SIZE, Wish, parse_scattering
-from ...engine.scattering.summary import SideSummary, summarise
+from ...engine.scattering.file_names import MAXIMUM_SIZE, SUFFIX
+from ...imports import loaded_when_used
 from ...libraries.materials import FOLDER, PREFIX
 from ..file_assets.embedding import EmbeddableKind
 from ..file_assets.places import Library, digest_of
+
+with loaded_when_used():
+    import numpy as np
+
+    from ...engine.scattering import look as scattering_look
+    from ...engine.scattering import summary
+    from ...engine.scattering.data import record, store, surface
+    from ...engine.scattering.readers import reader
 
 MEASURED = "MEASURED"
 """Name of the model of a surface in the settings of a material."""
@@ -44,10 +46,10 @@ class Reading:
     look : Look
     """
 
-    file: ScatteringFile
+    file: "record.ScatteringFile"
     digest: str
-    sides: dict[str, SideSummary]
-    look: Look
+    sides: "dict[str, summary.SideSummary]"
+    look: "scattering_look.Look"
 
 
 class ScatteringFiles(EmbeddableKind):
@@ -59,8 +61,8 @@ class ScatteringFiles(EmbeddableKind):
     largest = MAXIMUM_SIZE
     library = Library(PREFIX, FOLDER, SUFFIX)
 
-    def terms_of(self, settings) -> Wish:
-        return Wish(settings.tolerance)
+    def terms_of(self, settings) -> "reader.Wish":
+        return reader.Wish(settings.tolerance)
 
     def read(self, job, data, path, terms, origin="") -> Reading:
         digest = digest_of(data)
@@ -70,22 +72,22 @@ class ScatteringFiles(EmbeddableKind):
         return (material for material in bpy.data.materials if is_measured(material))
 
     def packed(self, data, reading) -> bytes:
-        return data if is_store(data) else pack_store(reading.file)
+        return data if store.is_store(data) else store.pack(reading.file)
 
 
 scattering_files = ScatteringFiles(KEPT, "lumenray-scattering")
 
 
-def _make(data: bytes, path: str, origin: str, wish: Wish, digest: str) -> Reading:
+def _make(data: bytes, path: str, origin: str, wish: "reader.Wish", digest: str) -> Reading:
     """Read a content, and find everything that is asked of it."""
-    file = parse_scattering(data, path, wish)
+    file = reader.parse_scattering(data, path, wish)
     if origin:
         file = replace(file, format=origin)
     for scatter in set(file.sides.values()):
         _freeze(scatter)
         # Found here once and remembered, as it takes a while.
-        excess_of(scatter, None)
-    return Reading(file, digest, summarise(file), fit_look(file))
+        surface.excess_of(scatter, None)
+    return Reading(file, digest, summary.summarise(file), scattering_look.fit_look(file))
 
 
 def _freeze(value) -> None:

@@ -10,7 +10,7 @@ from ..foundation.pose import pose_of
 from ..foundation.selection import select_only
 from ..foundation.units import metres_per_unit
 from ..luminaires.settings import is_luminaire
-from .places import is_sensor
+from .settings import is_sensor
 
 TITLES = {
     "POINT": "Sensor",

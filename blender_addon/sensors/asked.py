@@ -10,9 +10,10 @@ from ..rendering.light_mix import levels_of
 from ..rendering.lighting_scenes import choose_all
 from ..sync.scene import convert_scene
 from .job import SensorJob
-from .places import find_sensors, place_sensors, signature_of
+from .places import place_sensors, signature_of
 from .requirements import requirements_of
 from .scene_verdicts import required_of
+from .settings import find_sensors
 
 FLOOR = 0.1
 """Readings below it count as large as it where every sensor is to reach an error. [lx]"""

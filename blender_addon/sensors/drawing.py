@@ -11,8 +11,8 @@ from ...engine.analysis.value_plan import even_scale
 from ...engine.light_mix import LightMix
 from ..rendering.light_mix import levels_of
 from . import results
-from .places import find_sensors
 from .readings import Readings, readings_of
+from .settings import find_sensors
 from .words import brief
 
 GREY = (0.45, 0.45, 0.45)

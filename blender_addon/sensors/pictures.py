@@ -12,8 +12,8 @@ from ...engine.formats.names import file_stem
 from ...engine.light_mix import NEUTRAL, LightMix
 from ..rendering.light_mix import levels_of
 from .drawing import axes_of
-from .places import find_sensors
 from .readings import Readings, readings_of
+from .settings import find_sensors
 from .words import TITLES, brief
 
 PREFIX = "Plan "

@@ -96,17 +96,6 @@ class PlacedSensors:
         return self.acceptance if self.quantity == LUMINANCE else KINDS[self.quantity]
 
 
-def is_sensor(thing) -> bool:
-    """Whether an object stands for sensors."""
-    return thing is not None and thing.type == "EMPTY" and thing.lumenray.sensor.is_sensor
-
-
-def find_sensors(scene) -> list:
-    """Return the empties of a scene that stand for sensors and take part in renders, by name."""
-    found = [thing for thing in scene.objects if is_sensor(thing) and not thing.hide_render]
-    return sorted(found, key=lambda thing: thing.name)
-
-
 def place_sensors(empty, depsgraph) -> PlacedSensors:
     """Return where the sensors of an empty stand.
 

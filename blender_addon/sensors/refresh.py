@@ -7,10 +7,13 @@ from dataclasses import dataclass
 import bpy
 
 from ...engine.errors import LumenrayError
+from ...imports import loaded_when_used
 from ..foundation import engine_process
-from . import asked, results, running
-from .places import find_sensors
-from .readings import readings_of
+from . import results, running
+from .settings import find_sensors
+
+with loaded_when_used():
+    from . import asked, readings
 
 QUIET = 1.0
 """How long a scene has to stay as it is, so that dragging stays fluent. [s]"""
@@ -63,7 +66,7 @@ def begin(context) -> None:
     empties = [
         e
         for e in find_sensors(context.scene)
-        if readings_of(e) is not None and results.is_outdated(e)
+        if readings.readings_of(e) is not None and results.is_outdated(e)
     ]
     if not empties:
         return

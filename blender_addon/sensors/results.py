@@ -11,13 +11,17 @@ from dataclasses import dataclass, field
 import bpy
 from bpy.app.handlers import persistent
 
+from ...imports import loaded_when_used
 from ..bake.results import MOST_NAMES, Watch
 from ..foundation.handlers import leave, listen
 from ..foundation.identity import identity_of
 from ..foundation.redraw import redraw
-from .job import SensorJob
-from .places import is_sensor, signature_of
-from .readings import readings_of, write_readings
+from .settings import is_sensor
+
+with loaded_when_used():
+    from . import job as sensor_job
+    from . import places
+    from . import readings as sensor_readings
 
 
 @dataclass
@@ -37,7 +41,7 @@ class _Tracker:
 _tracker = _Tracker()
 
 
-def store(job: SensorJob, changed=()) -> list:
+def store(job: "sensor_job.SensorJob", changed=()) -> list:
     """Keep the readings of a finished job with their empties, and return these.
 
     Parameters
@@ -51,7 +55,7 @@ def store(job: SensorJob, changed=()) -> list:
     words = _say(changed)
     for empty in kept:
         settings = empty.lumenray.sensor
-        settings.kept = write_readings(job.answer[identity_of(empty)])
+        settings.kept = sensor_readings.write_readings(job.answer[identity_of(empty)])
         settings.serial, settings.changed = uuid.uuid4().hex, words
         if words:
             _tracker.outdated[settings.serial] = words
@@ -67,12 +71,12 @@ def is_outdated(empty) -> bool:
 
 def why_outdated(empty) -> str:
     """Say what has changed since the sensors of an empty were measured; empty: nothing, or there are no readings."""
-    readings = readings_of(empty)
+    readings = sensor_readings.readings_of(empty)
     if readings is None:
         return ""
     if empty.lumenray.sensor.changed:
         return empty.lumenray.sensor.changed
-    return "" if readings.signature == str(signature_of(empty)) else empty.name
+    return "" if readings.signature == str(places.signature_of(empty)) else empty.name
 
 
 def with_readings() -> Iterator:

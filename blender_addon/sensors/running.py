@@ -1,9 +1,12 @@
 """The measurement of sensors in the background of this Blender; there is one at a time."""
 
+from ...imports import loaded_when_used
 from ..bake.results import Watch
 from ..foundation import background_job
 from . import results
-from .job import SensorJob
+
+with loaded_when_used():
+    from . import job as sensor_job
 
 NAME = "measurement"
 """Of the job."""
@@ -18,7 +21,7 @@ class Measuring:
     session : RemoteSession    An empty one; it is closed at the end.
     """
 
-    def __init__(self, job: SensorJob, session):
+    def __init__(self, job: "sensor_job.SensorJob", session):
         self._watch = Watch()
         self.background = background_job.start(job, session, NAME)
         self.job = job

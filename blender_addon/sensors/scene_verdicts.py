@@ -7,9 +7,9 @@ from ...engine.judgement.assessment import Assessment
 from ...engine.judgement.verdict import State, Verdict, overall
 from ..rendering.lighting_scenes import Chosen
 from . import judging
-from .places import find_sensors
 from .readings import readings_of
 from .requirements import requirements_of
+from .settings import find_sensors
 
 
 @dataclass(frozen=True)

@@ -12,8 +12,11 @@ from bpy.props import (
 )
 from bpy.types import Object, PropertyGroup
 
+from ...imports import loaded_when_used
 from ..foundation.settings import PATH_OPTIONS, percentage, redraw_views, tag_owner
-from .requirements import known_keys
+
+with loaded_when_used():
+    from . import requirements
 
 
 def _is_mesh(self, thing) -> bool:
@@ -121,7 +124,7 @@ JUDGED_AREAS = [
 
 def _search_requirements(_self, context, typed: str):
     """Keys of the requirements that the scene knows, with their titles."""
-    known = known_keys(context.scene)
+    known = requirements.known_keys(context.scene)
     return [(key, each.title) for key, each in known.items() if typed.lower() in key]
 
 
@@ -467,6 +470,17 @@ class LumenraySensorsSettings(PropertyGroup):
         max=1e6,
         update=redraw_views,
     )
+
+
+def is_sensor(thing) -> bool:
+    """Whether an object stands for sensors."""
+    return thing is not None and thing.type == "EMPTY" and thing.lumenray.sensor.is_sensor
+
+
+def find_sensors(scene) -> list:
+    """Return the empties of a scene that stand for sensors and take part in renders, by name."""
+    found = [thing for thing in scene.objects if is_sensor(thing) and not thing.hide_render]
+    return sorted(found, key=lambda thing: thing.name)
 
 
 CLASSES = (LumenraySensorSettings, LumenraySensorsSettings)

@@ -2,9 +2,12 @@
 
 from collections.abc import Callable
 
-import numpy as np
+from ...imports import loaded_when_used
 
-from ...engine.scene.mesh import Geometry
+with loaded_when_used():
+    import numpy as np
+
+    from ...engine.scene import mesh as scene_mesh
 
 BAKED_MAP = "Lumenray"
 """UV map by which lux maps lie on a mesh; others of them begin with it."""
@@ -19,9 +22,9 @@ MESH_TYPES = {"MESH", "CURVE", "SURFACE", "META", "FONT"}
 def read_geometry(
     source,
     geometry_id: str,
-    change: Callable[[Geometry, object], Geometry] | None = None,
-    look: Callable[[object, Geometry], None] | None = None,
-) -> Geometry | None:
+    change: "Callable[[scene_mesh.Geometry, object], scene_mesh.Geometry] | None" = None,
+    look: "Callable[[object, scene_mesh.Geometry], None] | None" = None,
+) -> "scene_mesh.Geometry | None":
     """Read the surface of one evaluated object, in the object's own frame and in Blender units.
 
     Parameters
@@ -49,7 +52,7 @@ def read_geometry(
         source.to_mesh_clear()
 
 
-def fingerprint(geometry: Geometry | None) -> int:
+def fingerprint(geometry: "scene_mesh.Geometry | None") -> int:
     """Return a number of 64 bits that tells contents apart within one process."""
     if geometry is None:
         return 0
@@ -88,7 +91,7 @@ def _named_maps(tree, seen: set) -> set[str]:
     return found
 
 
-def _convert(mesh, geometry_id, hidden) -> Geometry | None:
+def _convert(mesh, geometry_id, hidden) -> "scene_mesh.Geometry | None":
     mesh.calc_loop_triangles()
     count = len(mesh.loop_triangles)
     if count == 0:
@@ -107,7 +110,7 @@ def _convert(mesh, geometry_id, hidden) -> Geometry | None:
     normals = None
     if mesh.normals_domain != "FACE":
         normals = read_values(mesh.corner_normals, "vector", np.float32, (len(mesh.loops), 3))
-    return Geometry(
+    return scene_mesh.Geometry(
         id=geometry_id,
         vertices=read_values(
             mesh.attributes["position"].data, "vector", np.float32, (len(mesh.vertices), 3)
@@ -127,7 +130,7 @@ def _convert(mesh, geometry_id, hidden) -> Geometry | None:
     )
 
 
-def corners_of(mesh) -> np.ndarray:
+def corners_of(mesh) -> "np.ndarray":
     """Return the corners of a mesh's polygons that its triangles have. (t, 3) int32"""
     count = len(mesh.loop_triangles)
     if count == len(mesh.polygons):
@@ -135,7 +138,7 @@ def corners_of(mesh) -> np.ndarray:
     return read_values(mesh.loop_triangles, "loops", np.int32, (count, 3))
 
 
-def read_values(collection, attribute: str, dtype, shape) -> np.ndarray:
+def read_values(collection, attribute: str, dtype, shape) -> "np.ndarray":
     """Return a property of all members of a collection of Blender as an array."""
     values = np.empty(shape, dtype=dtype)
     collection.foreach_get(attribute, values.reshape(-1))

@@ -27,7 +27,8 @@ from ..daylight.moment import Moment, find_moment
 from ..daylight.sunlight import find_sunlight
 from ..daylight.weather import has_band, path_of, weather_mean, weather_moment, weather_of
 from ..foundation.report import ConversionReport
-from ..sky import UPWARDS, depends_on_sun, needs_moment, onto_horizon, states_level, takes_lamp
+from ..sky import depends_on_sun, needs_moment, states_level, takes_lamp
+from ..sun_direction import UPWARDS, onto_horizon
 from .sky_spectra import find_spectrum, own_illuminance, refuse_picture
 
 FAR = 1.0

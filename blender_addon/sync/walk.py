@@ -20,7 +20,7 @@ from ..luminaires.convert import find_housing
 from ..luminaires.settings import is_luminaire, settings_of
 from ..modelling.wishes import read_wishes
 from ..raysets.settings import is_rayset
-from ..sky import towards_lamp
+from ..sun_direction import towards_lamp
 from .coloured_light import colour_of_light, tell_coloured_light
 from .departures import OBJECT, SCENE, SHUTTER, STILL, WORLD, tell, tell_passes
 from .displacement import Displacement, displaces, follows_object

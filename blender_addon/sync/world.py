@@ -16,7 +16,8 @@ from ...engine.sky.picture import describe_faults, find_illuminance
 from ..daylight.moment import follows_frames
 from ..foundation.node_trees import uses_nodes
 from ..foundation.report import ConversionReport
-from ..sky import UPWARDS, needs_moment, takes_lamp
+from ..sky import needs_moment, takes_lamp
+from ..sun_direction import UPWARDS
 from .images.cache import ImageCache
 from .nodes.dependencies import nodes_of
 from .nodes.directions import DirectionContext

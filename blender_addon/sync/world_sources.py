@@ -18,7 +18,7 @@ from ...engine.sky.place import from_local
 from ...engine.sky.solar_position import RADIUS, find_sun
 from ...engine.sky.sunlight import LUMINOUS_SOLAR_CONSTANT
 from ..daylight.moment import read_place
-from ..sky import UPWARDS
+from ..sun_direction import UPWARDS
 from .world_suns import Disk
 
 SUN_ANGLE = math.radians(2.0 * RADIUS)

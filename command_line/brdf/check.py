@@ -24,7 +24,7 @@ def add_command(tasks) -> None:
 
 def run(options) -> int:
     """Judge files; return the exit code, 1 if one is bad."""
-    from ...engine.scattering.readers.reader import ENDINGS
+    from ...engine.scattering.file_names import ENDINGS
 
     return tell_each(
         options,

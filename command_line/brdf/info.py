@@ -15,7 +15,7 @@ def add_command(tasks) -> None:
 
 def run(options) -> int:
     """Tell about files; return the exit code."""
-    from ...engine.scattering.readers.reader import ENDINGS
+    from ...engine.scattering.file_names import ENDINGS
 
     return tell_each(options, ENDINGS, lambda name: describe(open_scattering(options, name)), tell)
 

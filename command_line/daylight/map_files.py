@@ -5,7 +5,8 @@ from pathlib import Path
 import numpy as np
 
 from ...engine.baking.files import tile_of
-from ...engine.baking.year_maps import KINDS, Kind, YearMaps
+from ...engine.baking.year_figures import KINDS, Kind
+from ...engine.baking.year_maps import YearMaps
 
 
 def first_map(folder: Path) -> Path:

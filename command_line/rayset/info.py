@@ -16,7 +16,7 @@ def add_command(tasks) -> None:
 
 def run(options) -> int:
     """Tell about files; return the exit code."""
-    from ...engine.raysets.reader import ENDINGS
+    from ...engine.raysets.file_names import ENDINGS
     from ...engine.raysets.survey import survey_rays
 
     def read(name):

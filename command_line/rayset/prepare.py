@@ -19,8 +19,8 @@ def add_command(tasks) -> None:
 def run(options) -> int:
     """Prepare files, and tell about them; return the exit code."""
     from ...engine.raysets.emission import Wish
+    from ...engine.raysets.file_names import ENDINGS
     from ...engine.raysets.index import index_path, obtain_light
-    from ...engine.raysets.reader import ENDINGS
 
     wish = Wish(assumed=assumed_of(options))
 

@@ -1,6 +1,9 @@
 """Conversions between photometric and radiometric quantities. The only place where these factors stand."""
 
-import numpy as np
+from ...imports import loaded_when_used
+
+with loaded_when_used():
+    import numpy as np
 
 LUMINOUS_EFFICACY = 683.002
 """K_m, maximum luminous efficacy of radiation for V(lambda). [lm/W] (CIE S 025, BIPM 2019: 683 at 540 THz, /V there)"""

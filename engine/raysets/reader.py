@@ -19,9 +19,6 @@ from .text import Assumed, is_text, read_text
 from .tm25 import is_tm25, read_tm25
 from .zemax import is_zemax, read_zemax
 
-ENDINGS = (".tm25ray", ".ray", ".dat", ".dis", ".txt", ".rsf", ".src", ".sdf")
-"""Of names of ray files, where files are looked for."""
-
 MOST_BAD = 0.01
 """Share of rays that may be of no use. [-]"""
 

@@ -17,13 +17,22 @@ class Switch(Enum):
     """Modelled in full."""
 
 
+DESCRIPTIONS = {
+    "unseen": "Leave out what closed surfaces hide from all that is wanted; exact",
+    "surfaces": "Put simpler surfaces in place of those that are the same; exact",
+    "equal materials": "Let equal materials share a surface",
+    "colours": "Choose photometric or spectral transport",
+}
+"""What each decision of `requirements.plan` does, by its name. Switches are made of this without loading what decides."""
+
+
 @dataclass(frozen=True)
 class Modelling:
     """A user's wishes about what is simplified.
 
     Parameters
     ----------
-    switches : tuple of (str, Switch)    Decisions that are not left to us, by their names, see `requirements.plan`.
+    switches : tuple of (str, Switch)    Decisions that are not left to us, by their names, see `DESCRIPTIONS`.
     share : float    Part of the asked error that simplifications may take. [-]
     """
 

@@ -15,12 +15,7 @@ from zoneinfo import ZoneInfo, ZoneInfoNotFoundError
 import numpy as np
 
 from ..errors import SceneError
-
-FIRST_YEAR, LAST_YEAR = 1900, 2100
-"""Years for which the sun is computed."""
-
-HIGHEST, LOWEST = 9000.0, -500.0
-"""Range of heights above the sea at which people stand. [m]"""
+from .limits import FIRST_YEAR, HIGHEST, LAST_YEAR, LOWEST
 
 LARGEST_OFFSET = 15.0
 """Zones are never farther from universal time. [h]"""

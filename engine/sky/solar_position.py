@@ -18,7 +18,8 @@ import numpy as np
 
 from ..errors import SceneError
 from .earth_orbit import DISTANCE, LATITUDE, LONGITUDE, NUTATION
-from .place import FIRST_YEAR, LAST_YEAR, Place, check_place, from_local
+from .limits import FIRST_YEAR, LAST_YEAR
+from .place import Place, check_place, from_local
 
 RADIUS = 0.26667
 """Of the sun as seen from the Earth. [degree]"""

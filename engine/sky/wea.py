@@ -14,7 +14,8 @@ import numpy as np
 from ..errors import FileFormatError
 from ..reading.text import decode, parse_number, parse_whole
 from .epw import decode_head
-from .place import HIGHEST, LOWEST, Place, name_offset
+from .limits import HIGHEST, LOWEST
+from .place import Place, name_offset
 from .weather import Weather
 from .weather_checks import MOST_RECORDS, check_date, check_weather, cleaned_title
 

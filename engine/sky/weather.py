@@ -10,7 +10,8 @@ import numpy as np
 
 from ..errors import SceneError
 from ..reading.remarks import Remark
-from .place import FIRST_YEAR, LAST_YEAR, Place, find_zone
+from .limits import FIRST_YEAR, LAST_YEAR
+from .place import Place, find_zone
 from .solar_position import SunPositions, find_sun
 
 TWILIGHT = 20.0

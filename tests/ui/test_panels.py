@@ -5,7 +5,7 @@ import types
 import bpy
 import pytest
 from lumenray import operators, ui
-from lumenray.blender_addon.sync.materials.overrides import MODELS
+from lumenray.blender_addon.surface_models import MODELS
 from lumenray.ui import bake, compatibility, luminaire, rayset, scattering
 from material_trees import new_tree
 from panels import context, draw, labels_of, new_light

@@ -1,6 +1,5 @@
 """Surfaces from the measurable parameters that a user states in place of a node tree."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -37,27 +36,6 @@ MISSING_REFLECTANCE = 0.5
 
 
 @dataclass(frozen=True)
-class Model:
-    """A kind of surface as a user states it.
-
-    Parameters
-    ----------
-    title, description : str    For people.
-    number : int    By which saved files know it.
-    convert : callable    From a `Statement` to the `Surface`.
-    settings : tuple of str    What the panel shows, by names of properties or of `ui.material.DRAWN`.
-    emit : callable or None    From a `Statement` to the `Emission` or None.
-    """
-
-    title: str
-    description: str
-    number: int
-    convert: Callable
-    settings: tuple[str, ...]
-    emit: Callable | None = None
-
-
-@dataclass(frozen=True)
 class Statement:
     """What a user states of a surface.
 
@@ -82,13 +60,8 @@ def convert_override(
     settings, report: ConversionReport, datablock: str, is_patient: bool = True
 ) -> tuple[Surface, Emission | None]:
     """Return the surface and the emission that a material's settings state; parameters as of `Statement`."""
-    model, stated = MODELS[settings.model], Statement(settings, report, datablock, is_patient)
-    return model.convert(stated), None if model.emit is None else model.emit(stated)
-
-
-def model_items() -> list[tuple[str, str, str, int]]:
-    """Items of the enumeration of models."""
-    return [(name, model.title, model.description, model.number) for name, model in MODELS.items()]
+    stated, emit = Statement(settings, report, datablock, is_patient), EMITTING.get(settings.model)
+    return MAKERS[settings.model](stated), None if emit is None else emit(stated)
 
 
 def _reflectance(stated: Statement) -> Spectrum:
@@ -206,49 +179,17 @@ def _single_index(index: RefractiveIndex) -> float:
     return index.a + index.b / (HELIUM_D / 1000) ** 2
 
 
-MODELS = {
-    "DIFFUSE": Model(
-        "Diffuse",
-        "Matt reflection and, if set, diffuse transmission",
-        0,
-        _diffuse,
-        ("reflectance", "transmittance"),
-    ),
-    "COATED": Model(
-        "Coated",
-        "Matt base under a clear gloss coat: paint, plastic, varnish",
-        1,
-        _coated,
-        ("reflectance", "roughness", "ior"),
-    ),
-    "CONDUCTOR": Model(
-        "Metal", "Metal by its complex refractive index", 2, _conductor, ("metal", "roughness")
-    ),
-    "DIELECTRIC": Model(
-        "Solid Glass", "Transparent body that refracts", 3, _dielectric, ("roughness", "ior")
-    ),
-    "THIN_GLASS": Model("Pane", "Thin sheet of glass as one surface", 4, _pane, ("pane",)),
-    "EMITTER": Model(
-        "Emitter",
-        "Luminous surface, black by itself",
-        5,
-        _black,
-        ("luminance", "two_sided", "spectrum"),
-        _glow,
-    ),
-    MEASURED: Model(
-        "Measured",
-        "Scattering measured or computed: a BRDF or BTDF file",
-        6,
-        _measured,
-        ("measured",),
-    ),
-    "FABRIC": Model(
-        "Fabric",
-        "Roller blind, net or perforated sheet: some light passes straight, the rest is spread",
-        7,
-        _fabric,
-        ("reflectance", "openness", "transmittance"),
-    ),
+MAKERS = {
+    "DIFFUSE": _diffuse,
+    "COATED": _coated,
+    "CONDUCTOR": _conductor,
+    "DIELECTRIC": _dielectric,
+    "THIN_GLASS": _pane,
+    "EMITTER": _black,
+    MEASURED: _measured,
+    "FABRIC": _fabric,
 }
-"""Kinds of surfaces, by their names in scripts."""
+"""From a `Statement` to the `Surface`, by the names of `surface_models.MODELS`."""
+
+EMITTING = {"EMITTER": _glow}
+"""From a `Statement` to the `Emission` or None, for those of them that may shine."""

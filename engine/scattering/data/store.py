@@ -25,8 +25,6 @@ from ...scene.scattering import PatchBasis, PatchMatrix, Scatter, ScatterTable, 
 from .record import SIDES, ScatteringFile
 from .surface import check
 
-SUFFIX = ".lumbsdf"
-
 FORMAT = "Lumenray scattering"
 
 VERSION = 2

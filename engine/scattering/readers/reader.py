@@ -14,6 +14,7 @@ from ...scene.scattering import ScatterTable
 from ..data.normal_incidence import add_normal_incidence
 from ..data.record import ScatteringFile
 from ..data.store import is_store, read_store
+from ..file_names import MAXIMUM_SIZE
 from .goniometer import read_goniometer
 from .goniometer_text import is_goniometer
 from .lighttools import is_lighttools, read_lighttools
@@ -23,15 +24,6 @@ from .speos import is_speos, read_speos
 from .tensor_file import is_tensor_file, read_tensor_file
 from .window_xml import is_window_xml, read_window_xml
 from .zemax import is_zemax, read_zemax
-
-MAXIMUM_SIZE = 256 << 20
-"""Largest file that is read. [byte]"""
-
-ENDINGS = (
-    ".lumbsdf", ".bsdf", ".brdf", ".btdf", ".xml", ".binary", ".mbsdf", ".simplescattering", ".scattering", ".coated",
-    ".anisotropicbsdf", ".bsdf180", ".astm", ".csv", ".txt", ".dat",
-)  # fmt: skip
-"""Of names of scattering files, where files are looked for."""
 
 KNOWN = "Zemax and LightTools BSDF, WINDOW XML, RGL and MERL files, SPEOS, MDL, goniometer tables, or our own .lumbsdf"
 

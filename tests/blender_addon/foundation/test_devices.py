@@ -18,6 +18,7 @@ from lumenray.blender_addon.foundation import (
     running_trials,
 )
 from lumenray.command_line import main as command_line
+from lumenray.engine.worker import client
 from lumenray.engine import device_trial
 from lumenray.engine.transport.backend import BackendStatus
 from lumenray.engine.transport.devices import CHOICE
@@ -43,7 +44,7 @@ print("status=" + json.dumps(dataclasses.asdict(made)))
 @pytest.fixture(autouse=True)
 def _no_choice(monkeypatch):
     monkeypatch.delenv(CHOICE, raising=False)
-    monkeypatch.setattr(engine_process._worker, "device", "")
+    monkeypatch.setattr(engine_process, "_state", engine_process._State())
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="sends a signal")
@@ -65,10 +66,10 @@ def test_a_chosen_card_that_ends_the_probe_is_not_replaced(monkeypatch):
 
 def test_the_engine_starts_on_what_the_probe_found_unless_another_is_chosen(monkeypatch):
     started = []
-    monkeypatch.setattr(
-        engine_process._worker, "start", lambda: started.append(engine_process._worker.device)
-    )
-    monkeypatch.setattr(engine_process._worker, "session", lambda name: name)
+    worker = client.Worker(engine_process.ROOT)
+    monkeypatch.setattr(worker, "start", lambda: started.append(worker.device))
+    monkeypatch.setattr(worker, "session", lambda name: name)
+    monkeypatch.setattr(engine_process._state, "worker", worker)
     feedback.note_status(bpy.context.window_manager, READY)
     engine_process.open_session("a")
     monkeypatch.setattr(engine_process, "device", lambda: "cuda")

@@ -6,7 +6,8 @@ import pytest
 from blender_objects import add_cube, add_quad
 from lumenray.blender_addon.foundation.identity import identity_of
 from lumenray.blender_addon.sensors import adding
-from lumenray.blender_addon.sensors.places import find_sensors, place_sensors, signature_of
+from lumenray.blender_addon.sensors.places import place_sensors, signature_of
+from lumenray.blender_addon.sensors.settings import find_sensors
 from lumenray.engine.errors import SceneError
 from mathutils import Matrix
 

@@ -8,7 +8,8 @@ from lumenray.blender_addon.daylight_year.job import SUN_ANGLE, Places, YearJob
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.baking.lumel_sheet import LumelSheet, SheetSurface
 from lumenray.engine.baking.order import BakeOrder, Layout
-from lumenray.engine.baking.year_maps import KINDS, find_coverage, make_year_maps
+from lumenray.engine.baking.year_figures import KINDS
+from lumenray.engine.baking.year_maps import find_coverage, make_year_maps
 from lumenray.engine.daylight.blinds import FixedTimes
 from lumenray.engine.daylight.coefficients import DaylightOrder
 from lumenray.engine.daylight.replicated import MetricEstimate

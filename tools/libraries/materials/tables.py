@@ -9,7 +9,8 @@ import numpy as np
 from ....engine.scattering.data.evaluation import totals
 from ....engine.scattering.data.record import ScatteringFile
 from ....engine.scattering.data.resampling import choose_bands, resample
-from ....engine.scattering.data.store import FORMAT, SUFFIX, write_store
+from ....engine.scattering.data.store import FORMAT, write_store
+from ....engine.scattering.file_names import SUFFIX
 from ....engine.scattering.data.table import direction_of, turned
 from ....engine.scattering.data.tree import disk_of, square_of
 from ....engine.scene.scattering import Scatter, ScatterTable, TensorTree
