@@ -3,14 +3,13 @@
 import bpy
 from bpy_extras.view3d_utils import location_3d_to_region_2d
 
-from ..blender_addon.sun_direction import angles
 from ..engine.errors import LumenrayError
 from ..imports import loaded_when_used
 
 with loaded_when_used():
     import numpy as np
 
-    from ..blender_addon import shadow_sun
+    from ..blender_addon import shadow_sun, sun_direction
 
 ASKS = (
     "Click the foot of something upright on the ground; Esc ends",
@@ -86,7 +85,7 @@ class LUMENRAY_OT_sun_from_shadow(bpy.types.Operator):
             if self.lamp not in before:
                 shadow_sun.light_sun(self.lamp, scene, towards)
         shadow_sun.turn_sun(self.lamp, towards)
-        elevation, azimuth = np.degrees(angles(towards))
+        elevation, azimuth = np.degrees(sun_direction.angles(towards))
         self.area.header_text_set(f"Sun {elevation:.1f}° high at {azimuth:.1f}°")
 
     def _end(self, context, result):

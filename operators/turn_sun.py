@@ -3,13 +3,12 @@
 import bpy
 from bpy_extras.view3d_utils import region_2d_to_origin_3d, region_2d_to_vector_3d
 
-from ..blender_addon.sun_direction import angles
 from ..imports import loaded_when_used
 
 with loaded_when_used():
     import numpy as np
 
-    from ..blender_addon import sun_handle
+    from ..blender_addon import sun_direction, sun_handle
 
 
 class LUMENRAY_OT_turn_sun(bpy.types.Operator):
@@ -51,7 +50,7 @@ class LUMENRAY_OT_turn_sun(bpy.types.Operator):
             shown = (
                 sun_handle.find_handle(context.scene, context.object, self.middle) or self.handle
             )
-            elevation, azimuth = np.degrees(angles(shown.towards))
+            elevation, azimuth = np.degrees(sun_direction.angles(shown.towards))
             context.area.header_text_set(f"Sun {elevation:.1f}° high at {azimuth % 360.0:.1f}°")
         return {"RUNNING_MODAL"}
 
