@@ -11,8 +11,11 @@ from types import SimpleNamespace
 class _Waiting:
     """Stands for a module, which is imported when something of it is asked for."""
 
+    # Without a dictionary of its own: that of the module is found like all else.
+    __slots__ = ("_name",)
+
     def __init__(self, name: str):
-        vars(self)["_name"] = name
+        object.__setattr__(self, "_name", name)
 
     def __getattr__(self, name: str):
         return getattr(import_module(self._name), name)

@@ -21,7 +21,6 @@ with loaded_when_used():
     import numpy as np
 
     from ..blender_addon.sensors import drawing
-    from ..blender_addon.sensors import drawing as sensor_drawing
 
 LINE_COLOUR = (0.05, 0.05, 0.05, 1.0)
 TEXT_COLOUR, HALO_COLOUR = (1.0, 1.0, 1.0, 1.0), (0.0, 0.0, 0.0, 1.0)
@@ -53,7 +52,7 @@ class _Cache:
 _cache = _Cache()
 
 
-def drawing_of(context) -> "sensor_drawing.Drawing":
+def drawing_of(context) -> "drawing.Drawing":
     """Return what the sensors of a view show, made anew only after a change."""
     scene = context.scene
     shown = [e for e in find_sensors(scene) if e.visible_get(view_layer=context.view_layer)]
@@ -101,7 +100,7 @@ def draw_shapes() -> None:
         gpu.state.blend_set(before[1])
 
 
-def _draw_cells(shown: "sensor_drawing.Drawing", metres: float) -> None:
+def _draw_cells(shown: "drawing.Drawing", metres: float) -> None:
     first = 4 * np.arange(len(shown.corners) // 4)[:, None]
     triangles = np.concatenate([first + np.array([0, 1, 2]), first + np.array([0, 2, 3])]).astype(
         np.int32
@@ -114,7 +113,7 @@ def _draw_cells(shown: "sensor_drawing.Drawing", metres: float) -> None:
     batch_for_shader(shader, "TRIS", content, indices=triangles).draw(shader)
 
 
-def _draw_lines(context, shown: "sensor_drawing.Drawing", metres: float) -> None:
+def _draw_lines(context, shown: "drawing.Drawing", metres: float) -> None:
     if not len(shown.lines):
         return
     colours = np.tile(np.array(LINE_COLOUR, np.float32), (len(shown.lines), 1))
@@ -169,7 +168,7 @@ def cover(box) -> set[tuple[int, int]]:
     return {(x, y) for x in range(left, right + 1) for y in range(bottom, top + 1)}
 
 
-def _draw_scale(context, shown: "sensor_drawing.Drawing", font: int, zoom: float) -> None:
+def _draw_scale(context, shown: "drawing.Drawing", font: int, zoom: float) -> None:
     """Draw the bar of colours with its numbers at the lower left."""
     width, height = BAR[0] * zoom, BAR[1] * zoom
     left, bottom = 24.0 * zoom, 40.0 * zoom

@@ -23,7 +23,7 @@ from .tables import UNKNOWN
 
 with loaded_when_used():
     from ...engine.baking import order
-    from ...engine.scene import scene as scene_scene
+    from ...engine.scene import scene as engine_scene
     from ..sync import scene as sync_scene
 
 MOST_NAMES = 3
@@ -108,7 +108,7 @@ def store_results(
 def check_current(scene, depsgraph) -> bool:
     """Compare the scene with the one that was baked, take note of what comes of it and return whether they are the same."""
     kept = scene.lumenray.baked
-    held = scene_scene.Scene()
+    held = engine_scene.Scene()
     held.apply(sync_scene.convert_scene(depsgraph).delta)
     if held.hash() != kept.scene_hash:
         if not kept.changed:

@@ -22,8 +22,8 @@ from ..file_assets.places import digest_of, stored_path
 from ..file_assets.texts import new_text
 
 with loaded_when_used():
-    from ...engine.luminaires import distribution as luminaire_distribution
-    from ...engine.luminaires import lamp_spectrum as luminaire_lamp_spectrum
+    from ...engine.luminaires import distribution as distributions
+    from ...engine.luminaires import lamp_spectrum as lamp_spectra
     from ...engine.luminaires.formats import record
     from ...engine.scene import distribution as scene_distribution
 
@@ -66,12 +66,12 @@ class Reading:
     @cached_property
     def flux(self) -> float:
         """Of the distribution. [lm, of radiant files W]"""
-        return luminaire_distribution.flux(self.file.distribution)
+        return distributions.flux(self.file.distribution)
 
     @cached_property
-    def lamp_spectrum(self) -> "luminaire_lamp_spectrum.LampSpectrum":
+    def lamp_spectrum(self) -> "lamp_spectra.LampSpectrum":
         """What the file says of its lamp."""
-        return luminaire_lamp_spectrum.choose_spectrum(self.file)
+        return lamp_spectra.choose_spectrum(self.file)
 
 
 def names_tilt_file(data: bytes) -> bool:

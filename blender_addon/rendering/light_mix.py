@@ -20,8 +20,8 @@ with loaded_when_used():
 
     from ...engine import light_mix, views
     from ...engine.photometry import colour as photometry_colour
-    from ...engine.scene import light_groups
-    from .. import light_groups as blender_addon_light_groups
+    from ...engine.scene import light_groups as engine_groups
+    from .. import light_groups
 
 IMAGE = "Lumenray Mix"
 """Name of the image that holds the mix of the last picture."""
@@ -65,15 +65,13 @@ def groups_of(scene, luminous) -> tuple:
     ------
     SceneError    There are too many.
     """
-    return blender_addon_light_groups.find_groups(
-        luminous, scene.world, scene.lumenray.light_mix.groups.lower()
-    )
+    return light_groups.find_groups(luminous, scene.world, scene.lumenray.light_mix.groups.lower())
 
 
 def names_of(groups, luminous) -> list[str]:
     """Return the names of all groups, that of the lights in none of them last if there are any."""
     members = {member for group in groups for member in group.members}
-    rest = [light_groups.REST] if groups and any(key not in members for key, _ in luminous) else []
+    rest = [engine_groups.REST] if groups and any(key not in members for key, _ in luminous) else []
     return [group.name for group in groups] + rest
 
 
@@ -120,7 +118,7 @@ def is_listed(scene, names) -> bool:
 
 def label_of(name: str) -> str:
     """What a group is called for people."""
-    return OTHERS if name == light_groups.REST else name
+    return OTHERS if name == engine_groups.REST else name
 
 
 # ---- pictures ----

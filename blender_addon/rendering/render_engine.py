@@ -31,7 +31,7 @@ with loaded_when_used():
     from ...engine.photometry import colour
     from ..sync import camera as sync_camera
     from . import preview
-    from . import shutter as rendering_shutter
+    from . import shutter as shutters
 
 PASSES = (
     ("Combined", "RGBA", "COLOR"),
@@ -198,7 +198,7 @@ class LumenrayRenderEngine(bpy.types.RenderEngine):
             finished = True
         finally:
             if shutter is not None:
-                self.frame_set(*rendering_shutter.split_time(shutter.frame))
+                self.frame_set(*shutters.split_time(shutter.frame))
             # An abandoned result must be handed back too, else Blender waits for it.
             self.end_result(result, cancel=not finished)
         whole, (picture, told) = picture, light_mix.mix_picture(scene, picture)
@@ -226,19 +226,19 @@ class LumenrayRenderEngine(bpy.types.RenderEngine):
     def _convert(self, depsgraph):
         """Give the scene to the engine; returns its feed, the shutter or None, the camera and the conversion report."""
         feed, report = _final_feed(), ConversionReport()
-        shutter = rendering_shutter.shutter_of(depsgraph.scene, depsgraph.view_layer_eval)
+        shutter = shutters.shutter_of(depsgraph.scene, depsgraph.view_layer_eval)
         feed.sync.is_blurred = shutter is not None
         # What is not to be blurred stands as it does halfway, as in Cycles.
         is_apart = shutter is not None and shutter.middle != shutter.frame
         if is_apart:
-            self.frame_set(*rendering_shutter.split_time(shutter.middle))
+            self.frame_set(*shutters.split_time(shutter.middle))
         try:
             feed.update(depsgraph)
             report.include(feed.report)
             camera = feed.sync.camera(depsgraph, report)
         finally:
             if is_apart:
-                self.frame_set(*rendering_shutter.split_time(shutter.frame))
+                self.frame_set(*shutters.split_time(shutter.frame))
         return feed, shutter, camera, report
 
     def _take(self, depsgraph, feed, camera, asked, shutter, follow):
@@ -257,10 +257,10 @@ class LumenrayRenderEngine(bpy.types.RenderEngine):
         def go_to(time):
             if self.test_break():
                 raise Cancelled("cancelled")
-            self.frame_set(*rendering_shutter.split_time(time))
+            self.frame_set(*shutters.split_time(time))
             return depsgraph
 
-        return rendering_shutter.render_open_shutter(shutter, asked, feed, go_to, render, follow)
+        return shutters.render_open_shutter(shutter, asked, feed, go_to, render, follow)
 
     def _follow(self, feed, scene, result, white):
         """Return the function that follows the engine's progress."""

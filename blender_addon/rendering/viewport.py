@@ -20,7 +20,7 @@ from .feed import SceneFeed
 with loaded_when_used():
     from ...engine import kernel_cache
     from ...engine import views as engine_views
-    from . import view_camera as rendering_view_camera
+    from . import view_camera as view_cameras
 
 POLL_INTERVAL = 0.02
 """How often the timer looks for frames. [s]"""
@@ -118,7 +118,7 @@ class Viewport:
             self._find_groups(scene)
         settings = live_settings(scene, self._groups[1])
         wanted = (
-            rendering_view_camera.view_camera(context, depsgraph),
+            view_cameras.view_camera(context, depsgraph),
             settings,
             display_of(scene),
         )
