@@ -2,7 +2,7 @@
 
 from ..blender_addon.bake import error_graph as error_graphs
 from ..blender_addon.luminaires.preview import pictures as luminaire_pictures
-from ..imports import loaded_when_used
+from ..blender_addon.scattering.preview import pictures as scattering_pictures
 from . import (
     add_menu,
     bake,
@@ -32,9 +32,6 @@ from . import (
     tube_overlay,
     world,
 )
-
-with loaded_when_used():
-    from ..blender_addon.scattering import preview
 
 CLASSES = (
     *light.CLASSES,
@@ -83,6 +80,6 @@ def detach():
     rayset_overlay.detach()
     luminaire_overlay.detach()
     luminaire_pictures.close()
-    preview.pictures.close()
+    scattering_pictures.close()
     error_graphs.close()
     compatibility.detach()

@@ -3,13 +3,14 @@
 import bpy
 
 from ..blender_addon.scattering.files import is_measured, scattering_files
+from ..blender_addon.scattering.preview import pictures
 from ..imports import loaded_when_used
 from .file_parts import LABELS, draw_file, draw_picture, draw_remarks
 from .material import MaterialPanel
 from .parts import draw_lines, draw_text
 
 with loaded_when_used():
-    from ..blender_addon.scattering import preview, readout
+    from ..blender_addon.scattering import readout
 
 
 def draw_sample(layout, settings) -> None:
@@ -77,7 +78,7 @@ class LUMENRAY_PT_measured_cuts(MeasuredChild, bpy.types.Panel):
 
     def draw_part(self, layout, context, settings, reading):
         """Draw the scattering in the plane of incidence."""
-        draw_picture(layout, context, preview.pictures, reading, "cuts")
+        draw_picture(layout, context, pictures, reading, "cuts")
 
 
 class LUMENRAY_PT_measured_totals(MeasuredChild, bpy.types.Panel):
@@ -87,7 +88,7 @@ class LUMENRAY_PT_measured_totals(MeasuredChild, bpy.types.Panel):
 
     def draw_part(self, layout, context, settings, reading):
         """Draw the shares of light that are reflected and transmitted, by angle."""
-        draw_picture(layout, context, preview.pictures, reading, "totals")
+        draw_picture(layout, context, pictures, reading, "totals")
 
 
 class LUMENRAY_PT_measured_colour(MeasuredChild, bpy.types.Panel):

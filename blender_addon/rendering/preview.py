@@ -4,20 +4,22 @@ Blender makes them one after the other, on a thread of its own where it has a wi
 something is edited. They have a session of their own, whose objects stay from one to the next.
 """
 
-import numpy as np
-
-from ...engine.accuracy.stopping import StopRule
-from ...engine.analysis.denoiser import find_denoiser
-from ...engine.analysis.looking import filter_noise
 from ...engine.errors import Cancelled
-from ...engine.photometry.colour import automatic_white, scene_linear
-from ...engine.views import ViewSettings
+from ...imports import loaded_when_used
 from ..foundation import engine_process, identity
 from ..foundation.report import ConversionReport
 from ..luminaires.settings import is_luminaire
 from ..raysets.settings import is_rayset
-from ..sync.camera import region
 from .feed import SceneFeed
+
+with loaded_when_used():
+    import numpy as np
+
+    from ...engine import views
+    from ...engine.accuracy import stopping
+    from ...engine.analysis import denoiser, looking
+    from ...engine.photometry import colour
+    from ..sync import camera as sync_camera
 
 SAMPLES, UNFILTERED_SAMPLES = 16, 64
 """Paths per pixel where noise is filtered, and where Open Image Denoise is not installed."""
@@ -61,7 +63,7 @@ def render_preview(engine, depsgraph) -> None:
     if camera is None:
         return
     white = None if states_amounts(depsgraph) else scene.lumenray.efficacy
-    result = engine.begin_result(0, 0, *region(scene.render)[2:])
+    result = engine.begin_result(0, 0, *sync_camera.region(scene.render)[2:])
     target = result.layers[0].passes["Combined"]
     finished = False
 
@@ -88,11 +90,11 @@ def render_preview(engine, depsgraph) -> None:
         engine.end_result(result, cancel=not finished)
 
 
-def settings_of(scene) -> ViewSettings:
+def settings_of(scene) -> "views.ViewSettings":
     """What is asked of the picture of a preview."""
-    is_filtered = find_denoiser() is not None
-    return ViewSettings(
-        rule=StopRule(samples=SAMPLES if is_filtered else UNFILTERED_SAMPLES),
+    is_filtered = denoiser.find_denoiser() is not None
+    return views.ViewSettings(
+        rule=stopping.StopRule(samples=SAMPLES if is_filtered else UNFILTERED_SAMPLES),
         transparent=scene.render.film_transparent,
         method="paths",
         guides=is_filtered,
@@ -132,11 +134,11 @@ def _current_feed() -> SceneFeed:
 
 def _fill(target, tristimulus, white: float | None, picture=None) -> None:
     """Put light into a pass. (h, w, 3) [cd/m2]; ``picture``: the finished one that it is of, whose noise is filtered."""
-    white = white or automatic_white(tristimulus[..., 1])
+    white = white or colour.automatic_white(tristimulus[..., 1])
     pixels = np.ones((*tristimulus.shape[:2], 4), dtype=np.float32)
-    pixels[..., :3] = scene_linear(tristimulus, white)
+    pixels[..., :3] = colour.scene_linear(tristimulus, white)
     if picture is not None and picture.denoising_albedo is not None:
-        pixels[..., :3] = filter_noise(pixels[..., :3], picture).colour
+        pixels[..., :3] = looking.filter_noise(pixels[..., :3], picture).colour
     if picture is not None and picture.coverage is not None:
         pixels[..., 3] = picture.coverage
     target.rect.foreach_set(pixels.reshape(-1))

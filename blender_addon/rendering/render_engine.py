@@ -17,7 +17,7 @@ from ..foundation import engine_process
 from ..foundation.exposure import white_luminance
 from ..foundation.handlers import leave, listen
 from ..foundation.report import ConversionReport
-from . import light_mix, view_drawing
+from . import light_mix, preview, view_drawing
 from .animation import Frames
 from .feed import SceneFeed
 from .viewport import Viewport
@@ -30,7 +30,6 @@ with loaded_when_used():
     from ...engine.analysis import denoiser, looking
     from ...engine.photometry import colour
     from ..sync import camera as sync_camera
-    from . import preview
     from . import shutter as shutters
 
 PASSES = (
