@@ -6,11 +6,14 @@ from functools import lru_cache
 import bpy
 
 from ...engine.errors import FileFormatError, LumenrayError, SceneError
-from ...engine.formats.spd import SpectrumFile, read_spectrum
 from ...engine.photometry.spectra import efficacy, efficacy_of_all, luminous_weight
 from ...engine.scene.spectrum import Blackbody, Daylight, Illuminant, Rgb, Spectrum, Tabulated
-from ...engine.sky.sunlight import sunlight_spectrum
+from ...imports import loaded_when_used
 from ..foundation.report import ConversionReport
+
+with loaded_when_used():
+    from ...engine.formats import spd
+    from ...engine.sky import sunlight
 
 FIRST_COLUMN = 1
 """Column of values that is read where none can be chosen."""
@@ -65,7 +68,7 @@ def convert_spectrum(settings, rgb, report: ConversionReport, datablock: str) ->
         made = _open_file(
             settings,
             "spectrum_file",
-            lambda path: read_spectrum(path, settings.spectrum_column or None),
+            lambda path: spd.read_spectrum(path, settings.spectrum_column or None),
             "spectrum file",
         )
         table = _tell_remarks(made, report.warn, datablock)
@@ -77,7 +80,7 @@ def convert_spectrum(settings, rgb, report: ConversionReport, datablock: str) ->
 
 @lru_cache(maxsize=64)
 def _sunlight(elevation: float, turbidity: float) -> Tabulated:
-    return sunlight_spectrum(elevation, turbidity)
+    return sunlight.sunlight_spectrum(elevation, turbidity)
 
 
 def check_visible(table: Tabulated, is_radiant: bool, name: str, report: ConversionReport) -> None:
@@ -116,8 +119,8 @@ def _daylight(temperature, report, datablock):
     return Daylight(held)
 
 
-def _read_first_column(path) -> SpectrumFile:
-    return read_spectrum(path, FIRST_COLUMN)
+def _read_first_column(path) -> "spd.SpectrumFile":
+    return spd.read_spectrum(path, FIRST_COLUMN)
 
 
 def read_file(
@@ -147,7 +150,7 @@ def read_file(
     except LumenrayError as error:
         report.miss(datablock, str(error), remedy)
         return None
-    if isinstance(made, SpectrumFile) and made.columns > 1:
+    if isinstance(made, spd.SpectrumFile) and made.columns > 1:
         chosen = f" ('{made.names[0][:40]}')" if made.names else ""
         report.warn(
             datablock,
@@ -173,7 +176,7 @@ def _open_file(settings, name, read, kind):
 
 def _tell_remarks(made, note, datablock):
     """What a file holds; what is odd about a spectrum goes to ``note``."""
-    if not isinstance(made, SpectrumFile):
+    if not isinstance(made, spd.SpectrumFile):
         return made
     for remark in made.remarks:
         note(datablock, f"{made.path.name}: {remark}", "it is read so")

@@ -4,11 +4,14 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ...engine.atlas.picture_charts import PictureCharts, lay_charts
 from ...engine.scene.mesh import CHART_MAP, Geometry, Mesh
+from ...imports import loaded_when_used
 from .instance_attributes import KINDS
 from .meshes import corners_of, read_geometry, read_values
 from .vertex_values import find_islands, measure_pointiness
+
+with loaded_when_used():
+    from ...engine.atlas import picture_charts
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,11 +53,11 @@ class Surface:
         numbers = self.geometry.material_index
         return np.flatnonzero(numbers >= slot if is_last else numbers == slot)
 
-    def charts(self, slot: int, is_last: bool) -> "PictureCharts | None":
+    def charts(self, slot: int, is_last: bool) -> "picture_charts.PictureCharts | None":
         """Return the charts of a slot's triangles; None if they have no area."""
         key = ("charts", slot, is_last)
         if key not in self._kept:
-            self._kept[key] = lay_charts(self._part(slot, is_last))
+            self._kept[key] = picture_charts.lay_charts(self._part(slot, is_last))
         return self._kept[key]
 
     def area(self, slot: int, is_last: bool) -> float:

@@ -13,6 +13,7 @@ from ...engine.scene.scene import content_digest
 from ...engine.scene.texture import ImageTexture
 from ...engine.sky.cie import sun_direction
 from ...engine.sky.picture import describe_faults, find_illuminance
+from ...imports import loaded_when_used
 from ..daylight.moment import follows_frames
 from ..foundation.node_trees import uses_nodes
 from ..foundation.report import ConversionReport
@@ -25,12 +26,13 @@ from .nodes.evaluation import Context, evaluate_field
 from .nodes.fields import Field, luminance, rgb
 from .nodes.graph import find_socket, trace
 from .nodes.mapping import legacy_matrix
-from .skies import SkyTime, convert_sky
 from .spectra import light_spectrum
 from .visibility import sees_world
 from .world_shaders import BACKGROUNDS, world_radiance
-from .world_sources import take_sources, tell_brightness
 from .world_suns import Disk, find_disks, illuminance_of, make_suns
+
+with loaded_when_used():
+    from . import skies, world_sources
 
 LEAST_HEIGHT, LARGEST_HEIGHT = 256, 2048
 """Of a picture that is made of a world's nodes. [pixel]"""
@@ -56,7 +58,7 @@ def convert_world(
     images: ImageCache | None = None,
     sun_lamp: np.ndarray | None = None,
     gives_light: bool = True,
-    when: SkyTime | None = None,
+    when: "skies.SkyTime | None" = None,
 ):
     """Convert the world and its suns, and what the camera sees of it where that is something else.
 
@@ -93,7 +95,7 @@ def convert_world(
 def _convert_own(world, world_id: str, efficacy: float, report, images, sun_lamp, when):
     """Convert a world by what lights surfaces; return it and its suns."""
     if world.lumenray.source == "CIE":
-        return convert_sky(world, world_id, report, sun_lamp, when), ()
+        return skies.convert_sky(world, world_id, report, sun_lamp, when), ()
     shown = _taken(world, _shown(world, report, images), report)
     if shown is None:
         return None, ()
@@ -103,7 +105,7 @@ def _convert_own(world, world_id: str, efficacy: float, report, images, sun_lamp
         return None, ()
     made = _of_shown(world, world_id, shown, factor, report)
     suns = make_suns(shown.disks, factor, world_id, world.name, report)
-    tell_brightness(world, suns, report)
+    world_sources.tell_brightness(world, suns, report)
     return made, suns
 
 
@@ -191,7 +193,7 @@ def _taken(world, shown: "_Shown | None", report) -> "_Shown | None":
         return shown
     if not isinstance(shown.colour, ImageTexture):
         return shown
-    taken = take_sources(world, shown.colour, shown.rotation, report)
+    taken = world_sources.take_sources(world, shown.colour, shown.rotation, report)
     disks = tuple(
         replace(disk, irradiance=shown.strength * disk.irradiance) for disk in taken.disks
     )

@@ -75,7 +75,7 @@ def test_drawing_never_converts_the_scene(settings, monkeypatch):
     def refuse(*_):
         raise AssertionError("a panel converts the scene")
 
-    monkeypatch.setattr(job, "convert_scene", refuse)
+    monkeypatch.setattr("lumenray.blender_addon.sync.scene.convert_scene", refuse)
     monkeypatch.setattr(results, "store", refuse)
     assert "Red Paint" in said()
 

@@ -172,13 +172,13 @@ def test_the_scale_of_false_colours_tells_its_unit(quantity):
 def test_the_film_panel_says_so_where_the_denoiser_is_not_installed(monkeypatch):
     settings = bpy.context.scene.lumenray.render
     settings.use_denoising = True
-    monkeypatch.setattr("lumenray.ui.render.find_denoiser", lambda: "somewhere")
+    monkeypatch.setattr("lumenray.engine.analysis.denoiser.find_denoiser", lambda: "somewhere")
 
     def is_told():
         return any("Not installed" in text for text in draw("LUMENRAY_PT_film", context()))
 
     assert not is_told()
-    monkeypatch.setattr("lumenray.ui.render.find_denoiser", lambda: None)
+    monkeypatch.setattr("lumenray.engine.analysis.denoiser.find_denoiser", lambda: None)
     assert is_told()
     settings.use_denoising = False
     assert not is_told()

@@ -7,7 +7,10 @@ import bpy
 import numpy as np
 
 from ....engine.errors import FileFormatError
-from ....engine.formats import radiance_picture
+from ....imports import loaded_when_used
+
+with loaded_when_used():
+    from ....engine.formats import radiance_picture
 
 LOOKED_AT = 1 << 16
 """Pixels by which it is judged what mixing encoded values changes."""

@@ -16,8 +16,11 @@ from ....engine.scene.light import (
     SpotLight,
     SunLight,
 )
-from ....engine.sky.atmosphere.scattered_sky import LIMB
+from ....imports import loaded_when_used
 from .readings import Reading, read_area, read_line, read_point, read_spot, read_sun
+
+with loaded_when_used():
+    from ....engine.sky.atmosphere import scattered_sky
 
 UNEVEN = 1.001
 """Ratio of a spot's scales from which on its cone is an ellipse."""
@@ -235,7 +238,7 @@ class Sun(Kind):
         return Quantity.ILLUMINANCE, lumens * factor
 
     def make(self, data, place, output) -> SunLight:
-        limb = LIMB if data.lumenray.limb_darkening else 0.0
+        limb = scattered_sky.LIMB if data.lumenray.limb_darkening else 0.0
         return SunLight(place.id, place.name, output, -place.axes[:, 2], data.angle, limb)
 
     def read(self, light: SunLight):

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from ....engine.errors import LumenrayError
-from ....engine.formats.data_sheet import read_data_sheet
 from ....engine.scene.colour import largest_of
 from ....engine.scene.material import (
     Black,
@@ -23,10 +22,14 @@ from ....engine.scene.material import (
     ThinGlass,
 )
 from ....engine.scene.spectrum import Constant, Rgb, Spectrum
+from ....imports import loaded_when_used
 from ...foundation.report import ConversionReport
 from ...scattering.convert import convert_measured
 from ...scattering.files import MEASURED
 from ..spectra import convert_spectrum, read_file
+
+with loaded_when_used():
+    from ....engine.formats import data_sheet
 
 HELIUM_D = 587.56
 """Wavelength at which a dispersive index is taken where only one number fits. [nm]"""
@@ -125,7 +128,7 @@ def _dielectric(stated: Statement) -> Dielectric:
 def _pane(stated: Statement) -> ThinGlass | TabulatedPane:
     if stated.settings.pane_source == "FILE":
         remedy = "clear glass by its refractive index is used"
-        pane = stated.read("pane_file", remedy, read_data_sheet, "data sheet")
+        pane = stated.read("pane_file", remedy, data_sheet.read_data_sheet, "data sheet")
         if pane is not None:
             return pane
     ior = _single_index(_refractive_index(stated))

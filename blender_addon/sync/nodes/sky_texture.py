@@ -3,7 +3,7 @@
 import numpy as np
 
 from ....engine.photometry.colour import XYZ_TO_REC709
-from ....engine.sky.atmosphere import hosek_wilkie, preetham
+from ....engine.sky.atmosphere import preetham
 from ....engine.sky.atmosphere.directions import onto_sphere
 from ....engine.sky.atmosphere.scattered_sky import (
     MULTIPLE,
@@ -12,9 +12,13 @@ from ....engine.sky.atmosphere.scattered_sky import (
     ScatteredSky,
     find_colours,
 )
+from ....imports import loaded_when_used
 from .fields import Field, map_fields, rgb
 from .graph import find_socket, trace
 from .mapping import legacy_matrix
+
+with loaded_when_used():
+    from ....engine.sky.atmosphere import hosek_wilkie
 
 SCATTERED = {NISHITA, SINGLE, MULTIPLE}
 """Kinds of the node that have a sun with a disk."""

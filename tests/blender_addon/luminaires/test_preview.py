@@ -22,7 +22,7 @@ def test_diagram_is_drawn_once_for_every_content(new_luminaire, monkeypatch):
         pixels[0, 0] = (1.0, 0.5, 0.0, 1.0)
         return pixels
 
-    monkeypatch.setattr(luminaire_pictures, "diagram_pixels", diagram)
+    monkeypatch.setattr("lumenray.engine.analysis.polar_diagram.diagram_pixels", diagram)
     made = Pictures("diagram", luminaire_pictures.draw_diagram)
     _, settings = new_luminaire(write_peaks())
     reading = photometric_files.obtain(settings)

@@ -8,11 +8,11 @@ import pytest
 from blender_scattering import INCIDENCES, add_paint, matt
 from conversion import converted_material, error_messages
 from lumenray.blender_addon.file_assets.places import digest_of
-from lumenray.blender_addon.scattering import files
 from lumenray.blender_addon.scattering.files import scattering_files
 from lumenray.engine.errors import FileFormatError
 from lumenray.engine.scattering.data.record import ScatteringFile
 from lumenray.engine.scattering.data.resampling import resample
+from lumenray.engine.scattering.readers import reader
 from lumenray.engine.scene.material import Diffuse, Measured
 from lumenray.engine.scene.spectrum import Constant
 from scattering_models import lambert
@@ -86,14 +86,14 @@ def test_a_file_of_another_format_is_embedded_in_ours_and_keeps_its_name(
     made = resample(lambert(0.3), [550.0], incidences=INCIDENCES)
     foreign = tmp_path / "lab.astm"
     foreign.write_text(ASTM)
-    read = files.parse_scattering
+    read = reader.parse_scattering
 
     def parse(data, path, wish):
         if data.startswith(b"ASTM"):
             return ScatteringFile(Path(path), "ASTM E1392", {"front_reflection": made})
         return read(data, path, wish)
 
-    monkeypatch.setattr(files, "parse_scattering", parse)
+    monkeypatch.setattr("lumenray.engine.scattering.readers.reader.parse_scattering", parse)
     paint = add_paint(str(foreign))
     scattering_files.pack(paint.lumenray.measured)
     text = paint.lumenray.measured.text

@@ -13,11 +13,12 @@ from conversion import converted_material, error_messages
 from lumenray.blender_addon.file_assets.kind import NotReadyError
 from lumenray.blender_addon.file_assets.places import Library
 from lumenray.blender_addon.foundation.report import ConversionReport, Severity
-from lumenray.blender_addon.scattering import files, look_nodes
+from lumenray.blender_addon.scattering import look_nodes
 from lumenray.blender_addon.scattering.files import ScatteringFiles, scattering_files
 from lumenray.blender_addon.sync.materials.overrides import convert_override
 from lumenray.blender_addon.sync.scene import convert_scene
 from lumenray.blender_addon.sync.scene_sync import SceneSync
+from lumenray.engine.scattering.readers import reader
 from lumenray.engine.scene.material import Diffuse, Measured
 from lumenray.engine.scene.scene import Scene
 from lumenray.engine.scene.spectrum import Constant
@@ -111,7 +112,7 @@ def test_a_fault_of_ours_is_told_instead_of_raised(write_scattering, monkeypatch
     def fail(*_):
         raise ZeroDivisionError("of ours")
 
-    monkeypatch.setattr(files, "fit_look", fail)
+    monkeypatch.setattr("lumenray.engine.scattering.look.fit_look", fail)
     paint = add_paint(write_scattering())
     assert "ZeroDivisionError" in error_messages(converted_material(paint)[1])[0]
     with interface():
@@ -151,14 +152,14 @@ def test_the_library_lies_in_its_own_folder(write_scattering, tmp_path, monkeypa
 
 
 def test_the_live_view_does_not_wait(write_scattering, monkeypatch):
-    allowed, read, seen = threading.Event(), files.parse_scattering, []
+    allowed, read, seen = threading.Event(), reader.parse_scattering, []
 
     def slowly(*arguments):
         seen.append(arguments)
         allowed.wait(30.0)
         return read(*arguments)
 
-    monkeypatch.setattr(files, "parse_scattering", slowly)
+    monkeypatch.setattr("lumenray.engine.scattering.readers.reader.parse_scattering", slowly)
     paint = add_paint(write_scattering())
     report = ConversionReport()
     surface, _ = convert_override(paint.lumenray, report, "Paint", is_patient=False)
@@ -175,13 +176,13 @@ def test_the_live_view_does_not_wait(write_scattering, monkeypatch):
 
 
 def test_live_sync_brings_the_material_when_it_is_ready(write_scattering, monkeypatch):
-    allowed, read = threading.Event(), files.parse_scattering
+    allowed, read = threading.Event(), reader.parse_scattering
 
     def slowly(*arguments):
         allowed.wait(30.0)
         return read(*arguments)
 
-    monkeypatch.setattr(files, "parse_scattering", slowly)
+    monkeypatch.setattr("lumenray.engine.scattering.readers.reader.parse_scattering", slowly)
     paint = add_paint(write_scattering())
     sync, scene = SceneSync(final=False), Scene()
     scene.apply(sync.walk(bpy.context.evaluated_depsgraph_get()).delta)
