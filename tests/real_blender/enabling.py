@@ -1,7 +1,7 @@
-"""Enable the installed extension in a Blender that has not loaded it, and tell what that takes.
+"""Enables the installed extension in a Blender that has not loaded it, and tells what that takes.
 
-Run by enabling.sh; prints one line of JSON: seconds of the processor and of the clock, how many modules were loaded, and
-how many of these are the extension's own.
+Prints a line of JSON: seconds of the processor and of the clock, how many modules were loaded, and how many of these are the
+extension's own. Call it by run_enabling.sh.
 """
 
 import json
@@ -28,6 +28,7 @@ if done != {"FINISHED"}:
     sys.exit(f"{INSTALLED} cannot be enabled: {done}")
 new = set(sys.modules) - before
 told = {
+    "blender": bpy.app.version_string,
     "processor_seconds": taken,
     "clock_seconds": clock,
     "modules": len(new),
