@@ -125,6 +125,24 @@ def test_threads_that_use_a_module_at_once_all_get_the_whole_of_it(tmp_path, mon
     del sys.modules["slow_to_load"]
 
 
+def test_a_module_that_is_loaded_takes_the_place_of_what_stood_for_it(tmp_path, monkeypatch):
+    """So that no later use takes longer than that of other imports."""
+    (tmp_path / "waited_for.py").write_text("COUNT = 7\n")
+    (tmp_path / "waits.py").write_text(
+        "from lumenray.imports import loaded_when_used\n\n"
+        "with loaded_when_used():\n    import waited_for as other\n\n\n"
+        "def count():\n    return other.COUNT\n"
+    )
+    monkeypatch.syspath_prepend(tmp_path)
+    import waits
+
+    assert "waited_for" not in sys.modules
+    assert waits.count() == 7
+    assert waits.other is sys.modules["waited_for"]
+    for name in ("waits", "waited_for"):
+        del sys.modules[name]
+
+
 @pytest.mark.blender
 def test_only_modules_are_imported_so_and_all_that_is_asked_of_them_is_there():
     """What linters find out of other imports: names that do not exist."""
