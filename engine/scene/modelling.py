@@ -21,7 +21,10 @@ DESCRIPTIONS = {
     "unseen": "Leave out what closed surfaces hide from all that is wanted; exact",
     "surfaces": "Put simpler surfaces in place of those that are the same; exact",
     "equal materials": "Let equal materials share a surface",
+    "ray sets": "Take ray sets for points where these are right enough",
     "colours": "Choose photometric or spectral transport",
+    "wavelengths": "Draw wavelengths by what lamps give and the eye sees of it; exact",
+    "estimator": "Read reflected light from cells of the surfaces where that is sooner",
 }
 """What each decision of `requirements.plan` does, by its name. Switches are made of this without loading what decides."""
 

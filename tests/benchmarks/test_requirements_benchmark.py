@@ -98,7 +98,41 @@ def test_results_are_judged_by_the_demands():
     # True errors of about what was asked are chance; twice of it are not.
     assert (result["slowest"], result["over_asked"], result["bounds_exceeded"]) == (0.9, 1, 1)
     passed = [bar.passed for bar in run.check_bars(result)]
-    assert passed == [True, False, False, False, None, None]
+    assert passed == [True, False, False, False, None, None, None]
+    starts = {"import_seconds": 0.05, "explain_seconds": 2.0, "enabling_seconds": 0.31}
+    assert [bar.passed for bar in run.check_bars(result | {"starts": starts})][4:] == [
+        True,
+        True,
+        False,
+    ]
+
+
+def test_enabling_is_told_by_its_median_apart_from_the_first_time(tmp_path, monkeypatch):
+    from lumenray.benchmarks.requirements import starts
+
+    row = '{"blender": "4.3.2", "processor_seconds": %g, "clock_seconds": %g, "modules": 9, "own_modules": 7}'
+    lines = [f"enabling={row % (seconds, 2.0 * seconds)}" for seconds in (0.5, 0.21, 0.19, 0.2)]
+    script = tmp_path / "run_enabling.sh"
+    script.write_text("#!/bin/sh\ncat <<'E'\nBlender 4.3.2\n" + "\n".join(lines) + "\nE\n")
+    script.chmod(0o755)
+    monkeypatch.setattr(starts, "ENABLE", script)
+    made = starts._enable(lambda line: None)
+    assert made["first_enabling_seconds"] == 0.5
+    assert (made["enabling_seconds"], made["enabling_clock"]) == (0.2, 0.4)
+    told = starts.tell(made | {"import_seconds": 0.05, "explain_seconds": 2.0})
+    assert "4.3.2: 0.20 s of the processor, 0.40 s by the clock, 7 modules" in told
+
+
+def test_without_a_real_blender_enabling_is_not_measured_and_that_is_said(tmp_path, monkeypatch):
+    from lumenray.benchmarks.requirements import starts
+
+    script = tmp_path / "run_enabling.sh"
+    script.write_text("#!/bin/sh\necho 'root is needed' >&2\nexit 1\n")
+    script.chmod(0o755)
+    monkeypatch.setattr(starts, "ENABLE", script)
+    said = []
+    assert starts._enable(said.append) == {}
+    assert said == ["enabling was not measured: root is needed"]
 
 
 def test_the_error_of_the_reference_is_no_error_of_ours():
