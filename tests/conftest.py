@@ -2,10 +2,12 @@
 
 import importlib.util
 import sys
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
 from lumenray.engine import llvm
+from lumenray.engine.worker.client import Worker
 
 # Test folders are no packages, so shared helpers are found by their folder.
 sys.path.insert(0, str(Path(__file__).parent / "helpers"))
@@ -83,7 +85,23 @@ def read_empty_file():
     """Open an empty file, and leave the preferences: starting Blender's own extensions anew takes five times as long."""
     import bpy
 
-    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    with engine_kept():
+        bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+
+
+@contextmanager
+def engine_kept():
+    """Let the engine's process outlive a change of the file, without its sessions: its start takes more than a second."""
+    from lumenray.blender_addon.foundation import engine_process
+
+    worker = engine_process._worker
+    for session in list(worker._sessions.values()):
+        session.close()
+    engine_process._worker = Worker(engine_process.ROOT)
+    try:
+        yield
+    finally:
+        engine_process._worker = worker
 
 
 @pytest.fixture

@@ -43,6 +43,8 @@ print("status=" + json.dumps(dataclasses.asdict(made)))
 @pytest.fixture(autouse=True)
 def _no_choice(monkeypatch):
     monkeypatch.delenv(CHOICE, raising=False)
+    # A process of a test before has its device already.
+    engine_process.close()
     monkeypatch.setattr(engine_process._worker, "device", "")
 
 

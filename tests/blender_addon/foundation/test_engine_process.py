@@ -31,6 +31,8 @@ PATIENCE = 60.0
 @pytest.fixture(autouse=True)
 def _operators(registered):
     registry_module.register(operators.CLASSES)
+    # That of a test before.
+    engine_process.close()
     before = shared_memory()
     yield
     engine_process.close()

@@ -22,7 +22,6 @@ def shown_as_it_is():
     scene.view_settings.view_transform = "Standard"
     yield
     preview.close()
-    engine_process.close()
 
 
 def taken(block):
