@@ -103,6 +103,7 @@ def test_a_year_over_a_floor_with_blinds(open_floor, tmp_path, capsys):
 
 
 @pytest.mark.mitsuba
+@pytest.mark.slow
 def test_maps_of_a_year(open_floor, tmp_path, capsys):
     path, weather = open_floor
     out = tmp_path / "out"
@@ -135,6 +136,7 @@ def test_maps_of_a_year(open_floor, tmp_path, capsys):
 
 
 @pytest.mark.mitsuba
+@pytest.mark.slow
 def test_blinds_by_rules_of_ones_own(open_floor, tmp_path, capsys):
     path, weather = open_floor
     out = tmp_path / "out"

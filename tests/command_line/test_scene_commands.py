@@ -293,6 +293,7 @@ def test_pictures_are_drawn_in_false_colours_and_compared(tmp_path, capsys):
     assert "is no OpenEXR file" in capsys.readouterr().err
 
 
+@pytest.mark.slow
 def test_lux_maps_are_drawn_with_isolux_lines(tmp_path):
     box = str(scenes.scene_path("closed_box"))
     code = command_line.main(

@@ -116,6 +116,7 @@ def pinhole(side, height):
     return [*strips, BLACK]
 
 
+@pytest.mark.slow
 def test_the_sun_s_disk_through_a_pinhole():
     # Owed: the patch is the sun's disk folded with the hole. At each of 21 x 21 places within 3.5 errors (and 1 % of the
     # brightest, for the rim), the flux of all to 0.5 %, and darkness where the fold is 0: so flux, size and shape.

@@ -164,7 +164,7 @@ def add_room():
     new_world((0.2, 0.3, 0.5), 0.5)
 
 
-QUICK = {"perspective", "orthographic", "panorama"}
+QUICK = {"perspective", "panorama"}
 
 
 @needs_cycles
@@ -281,7 +281,13 @@ LENSES = {
 
 
 @needs_cycles
-@pytest.mark.parametrize("lens", LENSES)
+@pytest.mark.parametrize(
+    "lens",
+    [
+        pytest.param(lens, marks=[] if lens == "perspective" else [pytest.mark.slow])
+        for lens in LENSES
+    ],
+)
 def test_small_lights_out_of_focus_have_the_shape_that_cycles_gives_them(lens):
     """The mirror image of the aperture, or one with a blade more, agrees less than 0.992."""
     glow = bpy.data.materials.new("Glow")

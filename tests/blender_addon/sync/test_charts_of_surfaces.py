@@ -72,6 +72,7 @@ def test_the_camera_sees_textures_of_the_object_that_light_does_not_meet(tmp_pat
     assert made.emission.pattern is None
 
 
+@pytest.mark.slow
 def test_light_and_camera_have_pictures_on_the_same_charts_and_follow_edits():
     tree = new_tree()
     first, second = (tree.add("BsdfDiffuse", Color=noise(tree, scale)) for scale in (2.0, 9.0))

@@ -270,7 +270,7 @@ def compare(tmp_path, share, tolerance=0.02, is_grey=False):
     )
 
 
-@pytest.mark.parametrize("is_mirrored", [False, True])
+@pytest.mark.parametrize("is_mirrored", [pytest.param(False, marks=pytest.mark.slow), True])
 def test_a_normal_map_beside_a_texture_of_the_object_leans_by_its_uv_map(is_mirrored):
     """On a square in the object's own plane z = 0, U along x or against it and V along y."""
     tree = new_tree()

@@ -131,6 +131,9 @@ SETTINGS = [
     ),
 ]  # fmt: skip
 
+QUICK = (*SETTINGS[:5], SETTINGS[-2])
+"""Of the two slow kinds one sky each: a clear one, and one of much dust below a sun that has set."""
+
 
 @pytest.fixture
 def coarse(monkeypatch):
@@ -140,7 +143,11 @@ def coarse(monkeypatch):
 
 
 @needs_cycles
-@pytest.mark.parametrize("settings", SETTINGS, ids=lambda each: each["sky_type"])
+@pytest.mark.parametrize(
+    "settings",
+    [pytest.param(s, marks=[pytest.mark.slow] * (s not in QUICK)) for s in SETTINGS],
+    ids=lambda each: each["sky_type"],
+)
 def test_a_world_shows_the_sky_of_cycles_in_every_direction(settings, coarse, tmp_path):
     Sky(**settings)
     world, suns, rows, items = converted()

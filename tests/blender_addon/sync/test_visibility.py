@@ -49,7 +49,7 @@ def box():
 
 
 @pytest.mark.mitsuba
-@pytest.mark.parametrize("is_glowing", [False, True])
+@pytest.mark.parametrize("is_glowing", [pytest.param(False, marks=pytest.mark.slow), True])
 def test_a_measuring_plane_that_light_does_not_meet_changes_no_number(box, is_glowing):
     before, error = illuminance(converted_scene())
     plane = add_plane()

@@ -108,7 +108,7 @@ def test_a_baked_floor_follows_the_inverse_square_cosine_law():
 
 
 @pytest.mark.mitsuba
-@pytest.mark.parametrize("method", ["cells", "paths"])
+@pytest.mark.parametrize("method", [pytest.param("cells", marks=pytest.mark.slow), "paths"])
 def test_the_stated_error_of_a_map_is_its_true_error(method):
     # Known answer everywhere (furnace), so the true root mean square error can be measured.
     room = box(2, 2, 2)

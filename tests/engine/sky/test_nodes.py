@@ -43,19 +43,26 @@ def test_what_is_linear_between_nodes_is_kept():
     assert projection.node_areas.sum() == pytest.approx(2.0 * np.pi)
 
 
+@pytest.fixture(scope="module")
+def fine():
+    """Directions so close that their sums stand for integrals, and what the nodes of 15 rows count in them."""
+    projection = Projection(SkyNodes(40))
+    return projection, SkyNodes(15).spread(projection.directions)
+
+
 @pytest.mark.one_at_a_time
 @pytest.mark.parametrize("kind", [1, 7, 12, 14])
 @pytest.mark.parametrize("normal", [(0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (0.6, -0.64, 0.48)])
-def test_skies_give_sensors_what_their_formula_gives(kind, normal):
+def test_skies_give_sensors_what_their_formula_gives(kind, normal, fine):
     towards = unit_vectors(np.radians(35.0), np.radians(100.0))
     pattern = pattern_of_type(kind, towards)
     projection = find_projection(15)
     best, _ = projection.project(evaluate(pattern, projection.directions)[None])
-    fine = Projection(SkyNodes(40))
+    fine, spread = fine
     facing = np.maximum(fine.directions @ np.array(normal), 0.0) * fine.areas
     exact = facing @ evaluate(pattern, fine.directions)
     # An open sensor's coefficients, by the fine directions.
-    coefficients = facing @ SkyNodes(15).spread(fine.directions)
+    coefficients = facing @ spread
     assert coefficients @ best[0] == pytest.approx(exact, rel=2e-3)
     if normal[2] == 1.0:
         assert exact == pytest.approx(integrate(pattern, weigh=True), rel=2e-3)

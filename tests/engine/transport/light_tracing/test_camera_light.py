@@ -187,6 +187,7 @@ def test_colours_and_bands_are_traced_too(monkeypatch):
     np.testing.assert_allclose(luminance / luminance[1], expected[1], rtol=0.02)
 
 
+@pytest.mark.slow
 def test_traced_light_is_linear_in_the_lamps():
     """Half the sum of two lamps' pictures, or what both give together."""
     other = replace(point([-0.15, -0.1, 0.8]), id="other", name="other")

@@ -297,7 +297,7 @@ def test_a_mirror_ball_spreads_light_of_a_point():
         assert_near(flux[inside], 0.9 * 200.0 * np.pi * (cosine[k] - cosine[k + 1]), 3e-3)
 
 
-@pytest.mark.parametrize("distance", [1.5, 3.0])
+@pytest.mark.parametrize("distance", [1.5, pytest.param(3.0, marks=pytest.mark.slow)])
 def test_a_ball_lens_brings_parallel_light_together(distance):
     """At 1.5 radii from the centre of a ball of index 1.5 lies the paraxial focus; at 3 the beam is as wide as before."""
     half = 0.15

@@ -129,6 +129,7 @@ def test_near_light_on_a_plane_is_the_exact_one(sizes):
 
 
 @pytest.mark.mitsuba
+@pytest.mark.parametrize("transport", ["mono", pytest.param("spectral", marks=pytest.mark.slow)])
 def test_near_and_far_light_join_without_a_seam(transport):
     """A floor that is near in the middle and far outside: no light is missing or counted twice at five sizes."""
     centre = np.array([0.0, 0.0, 0.35])
@@ -179,6 +180,7 @@ def test_near_light_is_reflected_on():
 
 
 @pytest.mark.mitsuba
+@pytest.mark.slow
 def test_light_through_a_lens_is_traced_at_any_distance():
     """A slab of glass before the lamp: beyond five sizes too the light arrives, less what the surfaces mirror."""
     centre = np.array([0.0, 0.0, 1.5])

@@ -25,7 +25,7 @@ def assert_mean(made, expected, systematic=0.02, largest=0.05):
     assert told.mean_standard_error < largest * expected
 
 
-@pytest.mark.parametrize("radius", [0.0, 5e-5])
+@pytest.mark.parametrize("radius", [0.0, pytest.param(5e-5, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("transport", ["mono", pytest.param("spectral", marks=pytest.mark.slow)])
 def test_a_lamp_close_to_a_wall_gives_all_its_light(radius, transport):
     """Half of it falls on a spot of a fraction of a millimetre, in one of 13 000 lumels."""
@@ -144,7 +144,14 @@ def test_what_falls_around_the_spot_of_a_close_lamp_is_found(height):
     assert_mean(made, 1000.0 / 54.0, 1e-3)
 
 
-@pytest.mark.parametrize(("width", "limb"), [(0.005, 0.0), (0.03, 0.0), (0.03, 0.6)])
+@pytest.mark.parametrize(
+    ("width", "limb"),
+    [
+        (0.005, 0.0),
+        pytest.param(0.03, 0.0, marks=pytest.mark.slow),
+        pytest.param(0.03, 0.6, marks=pytest.mark.slow),
+    ],
+)
 def test_a_sun_through_a_keyhole_lights_the_whole_box(width, limb):
     direction = np.array([0.2, 0.1, -1.0]) / np.linalg.norm([0.2, 0.1, -1.0])
     output = Output(Quantity.ILLUMINANCE, 1e5)
@@ -315,7 +322,7 @@ def test_sensors_of_a_bright_room_get_all_reflections_of_a_lamp_at_a_wall(name):
     assert (np.abs(made.illuminance - true) < 4.0 * error + 0.001 * true).all()
 
 
-@pytest.mark.parametrize("width", [0.005, 0.03])
+@pytest.mark.parametrize("width", [0.005, pytest.param(0.03, marks=pytest.mark.slow)])
 def test_sensors_get_what_a_sunlit_spot_behind_a_keyhole_sends_on(width):
     """The outside in the sun is as large as the box; what counts is what sensors see."""
     towards, patch = np.array([0.2, 0.1, -1.0]), np.array([0.7, 0.6, 0.0])

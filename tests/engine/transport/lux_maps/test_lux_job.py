@@ -361,20 +361,20 @@ def test_lumels_that_do_not_fit_the_memory_get_the_same_light(monkeypatch):
 def test_names_of_objects_decide_nothing():
     """Neither the ids nor the order in which objects are sent; they stand in the order's order on the pages."""
     room, block = ROOM
-    first = bake((room, block, paint(0.5), LAMP), OBJECTS, 64)
+    first = bake((room, block, paint(0.5), LAMP), OBJECTS, 16)
     renamed = moved(block, "a", (0, 0, 0)), moved(room, "z", (0, 0, 0))
-    second = bake((LAMP, *renamed, paint(0.5)), ("z", "a"), 64)
+    second = bake((LAMP, *renamed, paint(0.5)), ("z", "a"), 16)
     for name in ("object", "illuminance", "standard_error"):
         np.testing.assert_array_equal(getattr(first.pages[0], name), getattr(second.pages[0], name))
 
 
 def test_the_error_falls_with_the_samples():
     items = (*ROOM, paint(0.5), LAMP, UniformWorld(0.0))
-    few, many = (bake(items, ("room",), samples, method="paths") for samples in (64, 1024))
+    few, many = (bake(items, ("room",), samples, method="paths") for samples in (32, 512))
     gain = few.relative_standard_error / many.relative_standard_error
     # Four by plain random numbers; low-discrepancy points do better.
     assert 3.6 < gain < 16.0
-    assert many.maps[0].samples == pytest.approx(1024, rel=0.3)
+    assert many.maps[0].samples == pytest.approx(512, rel=0.3)
 
 
 def test_light_does_not_come_through_edges_of_a_closed_box():

@@ -304,6 +304,7 @@ def slanted(material):
         pytest.param(MIRROR, (LightGroup("sky", ("world",)),), marks=pytest.mark.slow),
     ],
 )
+@pytest.mark.slow
 def test_a_mirror_shows_the_shadows_of_a_ground(material, groups):
     """Of a ground that is but seen a wall takes half of the sky's light; its picture has the sky's 100 cd/m2."""
     ground = floor(meets_light=False)
@@ -341,6 +342,7 @@ def test_a_body_of_glass_shows_the_shadows_of_a_ground():
 
 
 @pytest.mark.parametrize("is_lit", [False, pytest.param(True, marks=pytest.mark.slow)])
+@pytest.mark.slow
 def test_caustics_of_the_sun_fall_on_a_catcher(is_lit):
     """As bright beside what is behind as on a matt floor beside that floor in the open, which the cosine tells."""
     lens = ball("ball", 0.15, (-0.2, 0.0, 0.18), "glass", 24)

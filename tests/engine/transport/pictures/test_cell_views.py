@@ -103,6 +103,7 @@ def test_the_stated_error_of_a_view_is_how_far_seeds_are_apart():
     assert 0.7 < scatter / stated < 1.4
 
 
+@pytest.mark.slow
 def test_after_an_edit_a_view_is_that_of_the_edited_scene():
     session = session_of(*ROOMS["matt"])
     finish(session)

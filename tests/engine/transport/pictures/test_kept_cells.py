@@ -66,6 +66,7 @@ def test_the_same_picture_again_is_the_same_and_divides_nothing(divisions):
     assert NOTE not in (*first.provenance.notes, *again.provenance.notes)
 
 
+@pytest.mark.slow
 def test_another_view_of_the_same_scene_uses_its_cells_and_says_so(divisions):
     session = session_of(*ROOMS["matt"])
     rendered(session, 2)
@@ -77,6 +78,7 @@ def test_another_view_of_the_same_scene_uses_its_cells_and_says_so(divisions):
     assert_agree(kept, alone)
 
 
+@pytest.mark.slow
 def test_another_seed_has_light_of_its_own(divisions):
     session = session_of(*ROOMS["matt"])
     pictures = [rendered(session, 32, seed) for seed in (1, 2)]
@@ -101,6 +103,7 @@ def test_after_an_edit_of_a_light_its_picture_is_that_of_the_new_light(divisions
     assert_agree(edited, rendered(session_of(*items, ELSEWHERE), seed=2, transport=transport))
 
 
+@pytest.mark.slow
 def test_light_that_is_switched_off_is_gone_and_comes_again():
     session = session_of(*ROOMS["matt"])
     first = rendered(session, 8)
@@ -110,6 +113,7 @@ def test_light_that_is_switched_off_is_gone_and_comes_again():
     assert_agree(rendered(session, 32, seed=3), first, 0.15)
 
 
+@pytest.mark.slow
 def test_after_an_edit_of_a_surface_its_picture_is_that_of_the_new_surface(divisions):
     session = session_of(*ROOMS["matt"])
     rendered(session, 2)

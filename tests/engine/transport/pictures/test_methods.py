@@ -73,6 +73,7 @@ def test_other_channels_agree_by_both_methods():
     assert abs(cells.illuminance.sum(dtype=float) - paths.illuminance.sum(dtype=float)) < Z * total
 
 
+@pytest.mark.slow
 def test_bands_agree_by_both_methods():
     items, view = ROOMS["matt"], look_in(16, 12)
     found = {

@@ -164,6 +164,7 @@ def test_kinds_do_not_mix_and_what_shows_no_matt_surface_keeps_its_own():
 
 @pytest.mark.mitsuba
 @pytest.mark.parametrize("room", ["matt", pytest.param("textured floor", marks=pytest.mark.slow)])
+@pytest.mark.slow
 def test_pictures_that_share_light_are_nearer_to_long_ones(room):
     view = look_in(96, 80)
     made = {}
