@@ -1,5 +1,6 @@
 """Weather files, written by the rules of their formats and not by the readers."""
 
+import functools
 import math
 from datetime import datetime, timedelta
 
@@ -92,6 +93,7 @@ def wea(
     return "\n".join([*heading, *(" ".join(map(str, record)) for record in records)]) + "\n"
 
 
+@functools.cache
 def sunny_year(is_clear=lambda day: day % 20 < 10, latitude=49.5, longitude=8.5, zone=1.0):
     """An EPW file's text: clear and overcast days by rules of thumb, the sun by school formulas."""
     records = []

@@ -18,7 +18,6 @@ pytestmark = pytest.mark.usefixtures("extension")
 @pytest.fixture
 def floor(tmp_path):
     """A floor of 4 m, a weather file of the world's place, and a year to be asked for."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
     scene.world = bpy.data.worlds.new("World")
     item = add_quad("Floor", material=new_paint())

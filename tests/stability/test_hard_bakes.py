@@ -152,6 +152,7 @@ def pipe(sectors=48, rows=6):
     )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_a_smooth_cylinder_has_no_seams_beyond_the_noise():
     lamp = replace(LAMP, position=np.array([2.5, 1.0, 2.2]))
     made = baked(

@@ -63,6 +63,7 @@ def test_a_material_is_shown_as_blender_means_it_and_follows_edits():
     np.testing.assert_allclose(middle(taken(material)), (0.1, 0.3, 0.7, 1.0), atol=0.01)
 
 
+@pytest.mark.slow
 def test_worlds_in_their_units_and_lights_in_lumens():
     world = bpy.data.worlds.new("World")
     world.use_nodes = True

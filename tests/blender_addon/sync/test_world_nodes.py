@@ -150,6 +150,9 @@ GRAPHS = (
     strength_by_direction,
 )
 
+REPEATED = (clouds, scaled, tinted, added)
+"""Those whose nodes others have too, or whose textures are compared by themselves."""
+
 
 def converted():
     """The world, and what the report says."""
@@ -184,7 +187,11 @@ def panorama_of_cycles(path):
 
 
 @needs_cycles
-@pytest.mark.parametrize("graph", GRAPHS, ids=lambda graph: graph.__name__)
+@pytest.mark.parametrize(
+    "graph",
+    [pytest.param(g, marks=[pytest.mark.slow] * (g in REPEATED)) for g in GRAPHS],
+    ids=lambda graph: graph.__name__,
+)
 def test_a_world_shows_what_cycles_shows(graph, tmp_path):
     world = World()
     world.show(graph(world))

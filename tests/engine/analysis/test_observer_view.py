@@ -28,6 +28,7 @@ SIDE = 0.6
 
 
 @pytest.mark.mitsuba
+@pytest.mark.slow
 def test_panels_are_rated_as_by_the_formula():
     """Four panels of 5000 cd/m2 before surroundings of 30 cd/m2, whose light alone is indirect."""
     black = Diffuse(Constant(0.0))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from lumenray.engine.sky.cie import pattern_of_type
-from lumenray.engine.sky.nodes import Projection, SkyNodes, find_projection, unit_vectors
+from lumenray.engine.sky.nodes import SkyNodes, _quadrature, find_projection, unit_vectors
 from lumenray.engine.sky.pattern import evaluate, integrate
 
 
@@ -45,9 +45,9 @@ def test_what_is_linear_between_nodes_is_kept():
 
 @pytest.fixture(scope="module")
 def fine():
-    """Directions so close that their sums stand for integrals, and what the nodes of 15 rows count in them."""
-    projection = Projection(SkyNodes(40))
-    return projection, SkyNodes(15).spread(projection.directions)
+    """Directions so close that sums stand for integrals, their solid angles, and what nodes of 15 rows count in them."""
+    directions, areas = _quadrature(SkyNodes(40))
+    return directions, areas, SkyNodes(15).spread(directions)
 
 
 @pytest.mark.one_at_a_time
@@ -58,9 +58,9 @@ def test_skies_give_sensors_what_their_formula_gives(kind, normal, fine):
     pattern = pattern_of_type(kind, towards)
     projection = find_projection(15)
     best, _ = projection.project(evaluate(pattern, projection.directions)[None])
-    fine, spread = fine
-    facing = np.maximum(fine.directions @ np.array(normal), 0.0) * fine.areas
-    exact = facing @ evaluate(pattern, fine.directions)
+    directions, areas, spread = fine
+    facing = np.maximum(directions @ np.array(normal), 0.0) * areas
+    exact = facing @ evaluate(pattern, directions)
     # An open sensor's coefficients, by the fine directions.
     coefficients = facing @ spread
     assert coefficients @ best[0] == pytest.approx(exact, rel=2e-3)

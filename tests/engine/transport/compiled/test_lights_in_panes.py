@@ -158,7 +158,7 @@ def test_tabulated_panes_reflect_lamps_too():
     assert_near(made, [300.0 * 1.5 / np.linalg.norm(away) ** 3])
 
 
-@pytest.mark.parametrize("caustics", ["off", "on"])
+@pytest.mark.parametrize("caustics", [pytest.param("off", marks=pytest.mark.slow), "on"])
 def test_the_image_of_a_lamp_in_a_pane_is_in_a_lux_map(caustics):
     """A ceiling lit by a lamp's image in a pane below, and straight; a black room keeps all else away."""
     ceiling = quad("ceiling", (-2, -2, 3), (0, 4, 0), (4, 0, 0), "black")

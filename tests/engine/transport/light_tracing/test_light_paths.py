@@ -214,6 +214,7 @@ def test_every_light_has_its_share_and_hidden_ones_none():
     assert flux[by_intensity[900]] == 0.0
 
 
+@pytest.mark.parametrize("transport", ["mono", pytest.param("spectral", marks=pytest.mark.slow)])
 def test_illuminance_under_a_slab_follows_snell_and_fresnel(transport):
     """A lamp 0.7 m over a slab of 0.5 m that is 1 m over the floor, to 62 degrees; polarisation is not followed."""
     items = (GLASS, BLACK, slab((-20, -20, 1.0), (20, 20, 1.5)), point([0, 0, 2.2]))
@@ -276,6 +277,7 @@ def test_light_comes_to_glass_by_a_plane_mirror():
     assert_near(flux, 0.9 * lux.mean() * 0.8, 3e-3)
 
 
+@pytest.mark.slow
 def test_a_mirror_ball_spreads_light_of_a_point():
     """Virtual image by reflection in a convex mirror, exact beyond the paraxial range, on the ceiling over the lamp."""
     radius, lamp_height, ceiling = 0.5, 1.5, 3.0

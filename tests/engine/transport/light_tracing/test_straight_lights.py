@@ -25,8 +25,9 @@ def assert_mean(made, expected, systematic=0.02, largest=0.05):
     assert told.mean_standard_error < largest * expected
 
 
-@pytest.mark.parametrize("radius", [0.0, pytest.param(5e-5, marks=pytest.mark.slow)])
-@pytest.mark.parametrize("transport", ["mono", pytest.param("spectral", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("radius", [0.0, 5e-5])
+@pytest.mark.parametrize("transport", ["mono", "spectral"])
 def test_a_lamp_close_to_a_wall_gives_all_its_light(radius, transport):
     """Half of it falls on a spot of a fraction of a millimetre, in one of 13 000 lumels."""
     near = lamp((1e-4, 1.4, 1.3), 1000.0, radius)

@@ -218,6 +218,7 @@ def test_light_groups_have_their_parts_of_the_light_there(transparent):
     assert luminance(dimmed).mean() == pytest.approx(7.0 * 0.5, rel=0.01)
 
 
+@pytest.mark.slow
 def test_light_groups_change_nothing_where_nothing_is_shaded():
     """Few samples of each group, whose shares of the light are noisy: their sum is the picture behind all the same."""
     draw = np.random.default_rng(4)

@@ -54,7 +54,8 @@ def luminance_of(picture):
     return picture.tristimulus[..., 1].astype(float), picture.luminance_error.astype(float)
 
 
-@pytest.mark.parametrize("room", ["matt", pytest.param("coats", marks=pytest.mark.slow)])
+@pytest.mark.slow
+@pytest.mark.parametrize("room", ["matt", "coats"])
 def test_a_view_with_cells_shows_what_paths_show_with_less_noise(room):
     session = session_of(*ROOMS[room])
     view = finish(session, transport="mono")
@@ -134,6 +135,7 @@ def test_what_paths_have_found_is_joined_and_the_image_gets_no_worse(monkeypatch
     assert_agree(view, luminance_of(picture_of(ROOMS["matt"], 256, "cells", 3, VIEW)))
 
 
+@pytest.mark.slow
 def test_the_size_of_slices_decides_nothing():
     """What takes 15 ms differs from machine to machine."""
     session = session_of(*ROOMS["matt"])

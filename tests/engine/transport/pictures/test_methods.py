@@ -55,6 +55,7 @@ def test_a_sliver_of_a_lamp_is_not_missed():
         assert (np.abs(gaps) < allowed).all(), seed
 
 
+@pytest.mark.slow
 def test_other_channels_agree_by_both_methods():
     """Illuminance, bands, and what of the picture is not there, before the open end of a room."""
     items, view = (*ROOMS["matt"][1:], OPEN), look_in(32, 24)

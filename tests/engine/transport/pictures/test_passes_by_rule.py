@@ -12,6 +12,10 @@ pytestmark = pytest.mark.mitsuba
 
 METHODS = ("cells", "paths")
 
+CELLS_FIRST = pytest.mark.parametrize(
+    "method", ["cells", pytest.param("paths", marks=pytest.mark.slow)]
+)
+
 
 @pytest.fixture(scope="module")
 def session():
@@ -30,7 +34,7 @@ def made(session, method, rule, seed=1, size=(32, 24), progress=None):
 
 @pytest.mark.one_at_a_time
 @pytest.mark.parametrize("size", [(32, 24), (8, 8), (13, 7)])
-@pytest.mark.parametrize("samples", [100, 1, 2, 3, 600])
+@pytest.mark.parametrize("samples", [100, 1, 2, 3, pytest.param(600, marks=pytest.mark.slow)])
 def test_as_many_samples_are_taken_as_are_asked_for(session, method, size, samples):
     told = made(session, method, StopRule(samples=samples), size=size).provenance.samples
     assert abs(told - samples) <= max(1, 0.05 * samples)
@@ -51,6 +55,7 @@ def test_a_seed_gives_the_same_picture_whoever_looks_on_and_another_does_not(ses
     assert (first.tristimulus != other.tristimulus).any()
 
 
+@CELLS_FIRST
 def test_an_error_is_reached_and_not_overshot(session, method):
     goal, size = 0.02, (64, 48)
     reached = made(session, method, StopRule(error=goal), size=size)
@@ -61,6 +66,7 @@ def test_an_error_is_reached_and_not_overshot(session, method):
     assert fewer <= 8 or less.relative_error > goal
 
 
+@CELLS_FIRST
 def test_the_samples_that_an_error_needs_are_foreseen(session, method):
     """By the time that is left over that of a sample so far, on a clock that goes on by samples alone."""
     states = []
