@@ -24,8 +24,8 @@ from .solution import WAVELENGTHS, Resolution, Solution, resolution_for, solve
 STARTS = 4
 """Places of a scan from which least squares begins."""
 
-SCANNED = 64
-"""Places of a scan."""
+SCANNED, MOST_SCANNED = 16, 64
+"""Places of a scan for each number, and altogether."""
 
 ORDERS = 6.0
 """Steps of a scan in each interference order."""
@@ -208,7 +208,7 @@ def fit_paint(
     constituents: dict | None = None,
     seed: int = 0,
     starts: int = STARTS,
-    scanned: int = SCANNED,
+    scanned: int | None = None,
     path="paint",
 ) -> Fitted:
     """Find numbers of a composition with which it reflects what was read.
@@ -235,7 +235,9 @@ def fit_paint(
         read_place(content, each.place)
     search = _Search(content, readings, parameters, constituents, path)
     best: Minimum | None = None
-    for start in search.scan(seed, scanned)[:starts]:
+    for start in search.scan(seed, scanned or min(SCANNED * len(parameters), MOST_SCANNED))[
+        :starts
+    ]:
         found = minimise(search.residuals, start)
         if best is None or found.cost < best.cost:
             best = found
@@ -302,7 +304,7 @@ class _Search:
             own = self.parameters[core]
             # A quarter of the wavelength by the index, of which there are so many steps in each order.
             step = 550.0 / (2.0 * 1.6) / ORDERS
-            values = np.arange(own.low, own.high, step)[:SCANNED]
+            values = np.arange(own.low, own.high, step)[:MOST_SCANNED]
             tried = []
             for _, place in sorted(ranked, key=lambda each: each[0])[:2]:
                 for value in values:

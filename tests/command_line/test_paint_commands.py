@@ -50,6 +50,7 @@ def test_plot_draws_colours(capsys, tmp_path):
     assert gloss[0] > gloss[1] + 50 and gloss[2] > gloss[1] + 50
 
 
+@pytest.mark.slow
 def test_fit_finds_what_colours_came_of(capsys, tmp_path, grey):
     lab = read_lab(solve(one_layer([mirrors(0.7, 9.0, area=0.06)], 0.2)), SIX)
     file = tmp_path / "readings.csv"
