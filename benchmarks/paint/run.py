@@ -134,7 +134,7 @@ def check_bars(result: dict) -> list[Bar]:
             "reference values apart",
             "none",
             None if failed is None else f"{len(failed)}",
-            failed is not None and not failed or (None if failed is None else False),
+            None if failed is None else not failed,
         )
     ]
     for name, words in (

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from ...engine.paint.composition import Diameters, Mirror, face_densities, volume_fractions
+from ...engine.paint.composition import Diameters, face_densities, volume_fractions
 from ...engine.paint.explicit_flakes import walk_among_discs
 from ...engine.paint.first_order import pairs_of
 from ...engine.paint.flake_optics import find_shares
