@@ -79,7 +79,8 @@ def _walks(parts) -> str:
         "## Random compositions\n\nOne or two layers of mirrors, interference flakes and grains over matt grounds, at "
         "random angles. Discs are sown so thinly (their area is 2 to 18 % of the paint's) that hardly any light meets "
         "two: there a continuum is what they tend to. Wide opaque flakes that lie densely reflect up to a "
-        "third more than a continuum (A10): that is not an error of either, but what the continuum leaves out.\n\n" + table
+        "third more than a continuum (A10): that is not an error of either, but what the continuum leaves out.\n\n"
+        + table
     )
 
 
