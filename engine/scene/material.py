@@ -10,7 +10,7 @@ from ..errors import SceneError
 from .colour import Colour, Scalar, largest_of, scale
 from .film import Film
 from .relief import Relief, layers, picture_of
-from .scattering import Scatter
+from .scattering import Scatter, Sparkle
 from .spectrum import Constant, Spectrum
 from .texture import ImageTexture
 
@@ -131,6 +131,9 @@ class Surface:
 
     has_relief = False
     """Whether normals by place turn it, which follow U and V."""
+
+    has_sparkle = False
+    """Whether the camera sees flakes of it one by one."""
 
     @property
     def colours(self) -> tuple[Colour, ...]:
@@ -560,6 +563,7 @@ class Measured(Surface):
     front_transmission, back_transmission : Scatter or None    Of light that comes to that side and leaves by the other.
     rotation : float    By which the sample is turned about the normal, from the surface's U to its V. [rad]
     factor : float    On everything, for studies of how much a result depends on it. [-]
+    sparkles : tuple of Sparkle    Flakes that the camera sees one by one, by their part of the reflection of both sides.
     """
 
     front_reflection: Scatter | None = None
@@ -568,6 +572,7 @@ class Measured(Surface):
     back_transmission: Scatter | None = None
     rotation: float = 0.0
     factor: float = 1.0
+    sparkles: tuple[Sparkle, ...] = ()
 
     @property
     def parts(self) -> tuple[Scatter | None, ...]:
@@ -608,6 +613,10 @@ class Measured(Surface):
     def has_own_colour(self) -> bool:
         return any(part is not None and len(part.wavelengths) > 1 for part in self.parts)
 
+    @property
+    def has_sparkle(self) -> bool:
+        return bool(self.sparkles)
+
     def scaled(self, factor: float) -> Measured:
         return replace(self, factor=self.factor * factor)
 
@@ -637,6 +646,7 @@ class Mix(Surface):
     has_grain = _of_one("has_grain")
     has_own_colour = _of_one("has_own_colour")
     has_relief = _of_one("has_relief")
+    has_sparkle = _of_one("has_sparkle")
 
     @property
     def depth(self) -> int:
@@ -802,6 +812,7 @@ class Blend(Surface):
     has_grain = _of_one("has_grain")
     has_own_colour = _of_one("has_own_colour")
     has_relief = _of_one("has_relief")
+    has_sparkle = _of_one("has_sparkle")
 
     @property
     def depth(self) -> int:
@@ -870,6 +881,7 @@ class _Laid(Surface):
     is_absorbing = _of_base("is_absorbing")
     has_grain = _of_base("has_grain")
     has_relief = _of_base("has_relief")
+    has_sparkle = _of_base("has_sparkle")
     has_own_colour = _of_base("has_own_colour")
     grains = _of_base("grains")
 

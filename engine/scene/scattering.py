@@ -164,3 +164,29 @@ class TensorTree(_Scattering):
 
 
 Scatter = ScatterTable | PatchMatrix | TensorTree
+
+
+@dataclass(frozen=True, eq=False)
+class Sparkle(_Kept):
+    """Flakes of one kind in a surface, of which an eye that is near sees one by one what they mirror.
+
+    What they mirror once, ``first_order``, is a part of the surface's table. Where the camera looks straight at the surface
+    it is multiplied by a random factor of mean 1 that tells which of the flakes in sight face the light: see
+    `scattering.data.flake_field`.
+
+    Parameters
+    ----------
+    first_order : ScatterTable    On the same axes as the surface's reflection, and nowhere more. [1/sr]
+    density : float    Flakes by area of the surface, as many as there would be if all were lit and seen alike. [1/m2]
+    slope : float    Standard deviation of the flakes' slopes per axis, which are Gaussian. [-]
+    blur : float    Standard deviation per axis by which one flake alone spreads the slopes of what it mirrors. [-]
+    log_spread : float    Standard deviation of the logarithm of the diameters. [-]
+    index : float    Refractive index of what the flakes lie in. [-]
+    """
+
+    first_order: ScatterTable
+    density: float
+    slope: float
+    blur: float
+    log_spread: float = 0.0
+    index: float = 1.5

@@ -45,6 +45,7 @@ from lumenray.engine.scene.material import (
     blend_cosines,
 )
 from lumenray.engine.scene.relief import Heights, Normals
+from lumenray.engine.scene.scattering import Sparkle
 from lumenray.engine.scene.spectrum import Constant, Illuminant
 from lumenray.engine.scene.texture import ImageTexture
 from luminaires import luminaire
@@ -106,6 +107,9 @@ SURFACES = {
     "cut-out": Mix(Diffuse(GREY), Transparent(), MASK),
     "black": Black(),
     "measured": Measured(_table(), _table()),
+    "sparkling": Measured(
+        _table(), _table(), sparkles=(Sparkle(_table(), 1e9, 0.05, 0.005, 0.5, 1.45),)
+    ),
     "patches": Measured(_patches(), _patches(), _patches(), _patches(), 0.3, 0.9),
     "half a mirror": Mix(Diffuse(GREY), Glossy(Constant(0.9), 0.0), 0.5),
     "only the second": Mix(Black(), Coated(GREY), 1.0),

@@ -9,6 +9,7 @@ from ...scene.material import Measured
 from ...scene.memo import recall_latest
 from ...scene.scattering import PatchMatrix, Scatter, ScatterTable, TensorTree
 from .evaluation import evaluate, incidences_of, totals
+from .flake_field import check_sparkle
 from .patches import check_patches
 from .table import check_table, direction_of, fold_rotation, place_on, rotations_around, turned
 from .tree import check_tree
@@ -32,6 +33,8 @@ def usable(surface: Measured) -> Measured:
     """
     if not (np.isfinite(surface.factor) and surface.factor >= 0.0):
         raise SceneError(f"a measured surface has the factor {surface.factor}, expected 0 or more")
+    for sparkle in surface.sparkles:
+        check_sparkle(sparkle, surface.front_reflection)
     made = {}
     for side in ("front", "back"):
         names = [f"{side}_reflection", f"{side}_transmission"]

@@ -9,13 +9,15 @@ from dataclasses import replace
 import drjit as dr
 import mitsuba as mi
 
-from ...arrays import average
+from ...arrays import average, upload
 from ...scene.material import Measured
 from ...scene.scattering import PatchMatrix, Scatter, ScatterTable, TensorTree
+from ..data.flake_field import parts_of
 from ..data.patches import transposed
 from ..data.tree import transposed_tree
+from .flake_field import Eyed, FlakeField
 from .patch_lobe import PatchLobe
-from .table_lobe import DirectShares, TableLobe
+from .table_lobe import DirectShares, TableLobe, TableValues
 from .tree_lobe import TreeLobe
 
 NAME = "lumenray_measured"
@@ -171,6 +173,16 @@ def _measured_class():
             self.transmission = _Sides(
                 part(surface.front_transmission), part(surface.back_transmission)
             )
+            self.sparkles = []
+            if surface.sparkles:
+                tables = parts_of(surface.sparkles, surface.front_reflection)
+                self.sparkles = [
+                    (TableValues(table, weigh, surface.factor), FlakeField(sparkle, number))
+                    for number, (table, sparkle) in enumerate(
+                        zip(tables, surface.sparkles, strict=True)
+                    )
+                ]
+            self.coordinates = mi.Float(0.0)
             self.turn = mi.Vector2f(dr.cos(surface.rotation), dr.sin(surface.rotation))
             dr.make_opaque(self.turn)
             sides = mi.BSDFFlags.FrontSide | mi.BSDFFlags.BackSide
@@ -188,6 +200,12 @@ def _measured_class():
             self.m_flags = self.m_components[0]
             for component in self.m_components[1:]:
                 self.m_flags = self.m_flags | component
+
+        def set_coordinates(self, coordinates):
+            """Set what leads from places to those of their objects. (n, 4, 3): rows of the turn, and the origin [m]"""
+            if self.sparkles:
+                self.coordinates = upload(mi.Float, coordinates)
+                dr.eval(self.coordinates)
 
         def _turned(self, v, sign):
             """A direction in the frame of the sample (sign -1) or back in that of the surface (1), z as it is."""
@@ -221,6 +239,8 @@ def _measured_class():
                 wi, upright, is_front, si.wavelengths, active & ~through
             )
             density *= shares[0]
+            if self.sparkles:
+                value += self._sparkle(si, wi, wo, upright, active & ~through)
             if self.transmission.has("lobe"):
                 passed, pdf = self.transmission.evaluate(
                     wi, upright, is_front, si.wavelengths, active & through
@@ -231,6 +251,15 @@ def _measured_class():
                 value = dr.select(through, 0.0, value)
                 density = dr.select(through, 0.0, density)
             return dr.select(active, value, 0.0), dr.select(active, density, 0.0)
+
+        def _sparkle(self, si, wi, wo, upright, active):
+            """What single flakes in sight of the camera add to the mean of all, or lack of it."""
+            eyed, added = Eyed(si, self.coordinates, active), mi.Spectrum(0.0)
+            own = [mi.Vector3f(w.x, w.y, dr.abs(w.z)) for w in (si.wi, wo)]
+            for table, field in self.sparkles:
+                factor = field.evaluate(eyed, *own)
+                added += table.value(wi, upright, si.wavelengths, eyed.is_seen) * (factor - 1.0)
+            return dr.select(eyed.is_seen, added, 0.0)
 
         def sample(self, ctx, si, sample1, sample2, active=True):
             active = mi.Bool(active)

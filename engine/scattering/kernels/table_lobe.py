@@ -130,8 +130,8 @@ class _Incidences:
         ]
 
 
-class TableLobe(_Incidences):
-    """What a table scatters, its direct part aside.
+class TableValues(_Incidences):
+    """Values of a table.
 
     Parameters
     ----------
@@ -144,10 +144,8 @@ class TableLobe(_Incidences):
 
     def __init__(self, table: ScatterTable, weigh, factor: float = 1.0):
         super().__init__(table)
-        cells = prepare_cells(reach_around(table))
         table = reach_around(table)
         values = weigh(table.values * np.float32(factor), table.wavelengths)
-        albedos = weigh(cells.albedo * factor, table.wavelengths)
         self.shape = values.shape
         self.is_symmetric = is_symmetric(table)
         self.radials, self.azimuths = Axis(table.radials), Axis(table.azimuths)
@@ -159,22 +157,14 @@ class TableLobe(_Incidences):
         self.quad = dr.float16_array_t(mi.Vector4f)
         quads = quads_of((values / np.float32(scale)).astype(np.float16))
         self.quads = upload(dr.float16_array_t(mi.Float), quads)
-        self.density = upload(mi.Float, cells.density)
-        self.ring_shares = upload(mi.Float, cells.radial)
-        self.cell_shares = upload(mi.Float, cells.azimuth)
-        self.albedos = upload(mi.Float, albedos.mean(axis=-1))
-        self.albedos_by_band = upload(mi.Float, albedos)
-        # 1 - cos, which tells small angles apart.
-        self.versines = upload(mi.Float, 2.0 * np.sin(0.5 * table.radials) ** 2)
-        dr.eval(
-            self.quads,
-            self.density,
-            self.ring_shares,
-            self.cell_shares,
-            self.albedos,
-            self.albedos_by_band,
-            self.versines,
-        )
+        dr.eval(self.quads)
+
+    def value(self, wi, wo, wavelengths, active):
+        """Value times the cosine of ``wo``. (Spectrum) [1/sr]"""
+        frame = self._frame(wi)
+        nodes = self._nodes(frame, active)
+        place = self._cell(frame, self._fold(wi, wo), active)
+        return self._look_up(nodes, place, wavelengths, active) * (wo.z * self.scale)
 
     def _cell(self, frame, wo, active):
         """Radial interval, its share, azimuth interval, its share."""
@@ -187,20 +177,12 @@ class TableLobe(_Incidences):
             azimuth = dr.select(azimuth < 0.0, azimuth + dr.two_pi, azimuth)
         return *self.radials.place(radial, active), *self.azimuths.place(azimuth, active)
 
-    # ---- what the plug-in asks ----
-
-    def evaluate(self, wi, wo, wavelengths, active):
-        """Value times the cosine of ``wo`` [1/sr], and the density of `sample` over solid angle [1/sr]."""
-        frame = self._frame(wi)
-        nodes = self._nodes(frame, active)
-        t, t_share, a, a_share = self._cell(frame, self._fold(wi, wo), active)
+    def _look_up(self, nodes, place, wavelengths, active):
+        """Values at a place of `_cell`, without scale. (Spectrum)"""
+        t, t_share, a, a_share = place
         _, _, radials, azimuths, bands = self.shape
         cells = (radials - 1) * (azimuths - 1)
         cell = t * (azimuths - 1) + a
-        density = mi.Float(0.0)
-        for node, weight in nodes:
-            cell_density = dr.gather(mi.Float, self.density, node * cells + cell, active)
-            density = dr.fma(weight, cell_density, density)
         shares = mi.Vector4f(
             (1.0 - t_share) * (1.0 - a_share),
             (1.0 - t_share) * a_share,
@@ -211,18 +193,60 @@ class TableLobe(_Incidences):
         def look_up(band):
             total = mi.Float(0.0)
             for node, weight in nodes:
-                place = (node * cells + cell) * bands + band
-                quad = mi.Vector4f(dr.gather(self.quad, self.quads, place, active))
+                number = (node * cells + cell) * bands + band
+                quad = mi.Vector4f(dr.gather(self.quad, self.quads, number, active))
                 total = dr.fma(weight, dr.dot(quad, shares), total)
             return total
 
         if self.wavelengths is None:
-            value = mi.Spectrum(look_up(0))
-        else:
-            value = mi.Spectrum(0.0)
-            for k in range(len(value)):
-                band, share = self.wavelengths.place(wavelengths[k], active)
-                value[k] = dr.lerp(look_up(band), look_up(band + 1), share)
+            return mi.Spectrum(look_up(0))
+        value = mi.Spectrum(0.0)
+        for k in range(len(value)):
+            band, share = self.wavelengths.place(wavelengths[k], active)
+            value[k] = dr.lerp(look_up(band), look_up(band + 1), share)
+        return value
+
+
+class TableLobe(TableValues):
+    """What a table scatters, its direct part aside. Parameters as of `TableValues`."""
+
+    def __init__(self, table: ScatterTable, weigh, factor: float = 1.0):
+        super().__init__(table, weigh, factor)
+        table = reach_around(table)
+        cells = prepare_cells(table)
+        albedos = weigh(cells.albedo * factor, table.wavelengths)
+        self.density = upload(mi.Float, cells.density)
+        self.ring_shares = upload(mi.Float, cells.radial)
+        self.cell_shares = upload(mi.Float, cells.azimuth)
+        self.albedos = upload(mi.Float, albedos.mean(axis=-1))
+        self.albedos_by_band = upload(mi.Float, albedos)
+        # 1 - cos, which tells small angles apart.
+        self.versines = upload(mi.Float, 2.0 * np.sin(0.5 * table.radials) ** 2)
+        dr.eval(
+            self.density,
+            self.ring_shares,
+            self.cell_shares,
+            self.albedos,
+            self.albedos_by_band,
+            self.versines,
+        )
+
+    # ---- what the plug-in asks ----
+
+    def evaluate(self, wi, wo, wavelengths, active):
+        """Value times the cosine of ``wo`` [1/sr], and the density of `sample` over solid angle [1/sr]."""
+        frame = self._frame(wi)
+        nodes = self._nodes(frame, active)
+        place = self._cell(frame, self._fold(wi, wo), active)
+        t, _, a, _ = place
+        _, _, radials, azimuths, _ = self.shape
+        cells = (radials - 1) * (azimuths - 1)
+        cell = t * (azimuths - 1) + a
+        density = mi.Float(0.0)
+        for node, weight in nodes:
+            cell_density = dr.gather(mi.Float, self.density, node * cells + cell, active)
+            density = dr.fma(weight, cell_density, density)
+        value = self._look_up(nodes, place, wavelengths, active)
         return value * (wo.z * self.scale), density
 
     def sample(self, wi, sample, active):

@@ -28,7 +28,7 @@ from .bounds import find_bounds, frame_of
 from .changes import Changes, Outgrown, Stamps
 from .compiled_light import CompiledLight, Shared, change_light, compile_light
 from .enclosures import find_enclosed
-from .grain_ways import find_ways
+from .grain_ways import find_coordinates, find_ways
 from .known_mirrors import KnownMirrors, is_hard_to_meet
 from .layers import Layer
 from .lights import LightTable, Source
@@ -85,6 +85,8 @@ class CompiledScene:
         self.catchers = self.grounds = self.seen_catchers = None
         # Whether the camera does not see an object, and not only bodies of lights.
         self.has_hidden_objects = False
+        # Whether the camera sees flakes of some surface one by one.
+        self.has_sparkle = False
         self.known_mirrors = KnownMirrors()
         self.polarisation = None
         self.indices: dict = {}
@@ -445,7 +447,9 @@ class CompiledScene:
         self._pool.commit(size, columns["bsdf"], columns["emitter"], luminaires)
         is_round = any(grain.axis is not None for surface in surfaces for grain in surface.grains)
         ways = find_ways(size, parts, self.origin) if is_round else None
-        self._material_palette.commit(columns["row"], self._axes(size, parts), ways)
+        self.has_sparkle = any(surface.has_sparkle for surface in surfaces)
+        places = find_coordinates(size, parts, self.origin) if self.has_sparkle else None
+        self._material_palette.commit(columns["row"], self._axes(size, parts), ways, places)
         self.indices = {name: upload(mi.Float, columns[name]) for name in ("object", "material")}
         self._extents = upload(mi.Float, columns["extent"])
         self.hidden, self.holdouts, self.unlit = (

@@ -28,6 +28,33 @@ def find_ways(size: int, parts, origin: np.ndarray) -> np.ndarray:
     return ways
 
 
+def find_coordinates(size: int, parts, origin: np.ndarray) -> np.ndarray:
+    """Return what leads from places to those of their objects, in true lengths however an object is stretched.
+
+    Parameters
+    ----------
+    size : int    Of the table.
+    parts : list of (Body, Part)
+    origin : (3,) array    Of the compiled scene's frame. [m]
+
+    Returns
+    -------
+    (size, 4, 3) array    By number of shape: the rows of a turn R and the place m, of p -> R (p - m).
+    """
+    made = np.zeros((size, 4, 3))
+    made[:, :3] = np.eye(3)
+    for body, part in parts:
+        if isinstance(body.item, Mesh):
+            made[part.number, 3] = -origin
+            continue
+        frame = np.asarray(body.item.frame, np.float64)
+        # The turn that is nearest to what the frame does.
+        left, _, right = np.linalg.svd(frame[:3, :3])
+        made[part.number, :3] = (left @ right).T
+        made[part.number, 3] = frame[:3, 3] - origin
+    return made
+
+
 def _ways_of(item, geometry, origin) -> np.ndarray:
     if isinstance(item, Mesh):
         frame, box, vertices = np.eye(4), None, item.vertices

@@ -128,6 +128,7 @@ class MaterialPalette:
         rows_by_shape: np.ndarray,
         frames: np.ndarray | None = None,
         ways: np.ndarray | None = None,
+        coordinates: np.ndarray | None = None,
     ) -> None:
         """Bring the palette up to date.
 
@@ -136,6 +137,7 @@ class MaterialPalette:
         rows_by_shape : (n,) array    Row of the shape with each number.
         frames : (n, 3, 3) array or None    Axes of the objects of the shapes, where something has a relief.
         ways : (n, 3, 4, 3) array or None    As `grain_ways` finds them, where facets lie round an axis.
+        coordinates : (n, 4, 3) array or None    As `find_coordinates` finds them, where flakes are seen.
         """
         if self._has_unused:
             self.make.bitmaps.keep(set().union(*self._pictures.values()))
@@ -154,6 +156,8 @@ class MaterialPalette:
                 _give(plugin, "set_frames", frames)
             if ways is not None:
                 _give(plugin, "set_ways", ways)
+            if coordinates is not None:
+                _give(plugin, "set_coordinates", coordinates)
 
     def _columns_of(self, material: Material) -> dict[str, np.ndarray]:
         """Row of a plain material, and note the picture that it shows."""

@@ -53,9 +53,11 @@ class Film:
         self.width = mi.UInt32(camera.width)
         self.extent = mi.Vector2f(float(camera.extent_x), float(camera.extent_y))
         self.shift = mi.Vector2f(float(camera.shift_x), float(camera.shift_y))
+        area = camera.extent_x * camera.extent_y / (camera.width * camera.height)
+        self.pixel = mi.Float(math.sqrt(abs(area)))
         # As data, so that another view or size meets the same compiled kernel.
         dr.make_opaque(self.axes, self.position, self.focus, self.size, self.width)
-        dr.make_opaque(self.clip, self.end, self.length, self.extent, self.shift)
+        dr.make_opaque(self.clip, self.end, self.length, self.extent, self.shift, self.pixel)
 
     def to_world(self, x, y, z):
         """Direction that has these components along the camera's axes."""
@@ -97,6 +99,16 @@ class Film:
                 direction = direction * self.focus - shift
         direction = dr.normalize(direction)
         return self._clipped(start, direction, dr.dot(direction, self.forward()))
+
+    def pixel_width(self, place):
+        """Width of a pixel where it shows a place, across the line of sight. [m]"""
+        width = self.pixel
+        if self.camera.projection is Projection.ORTHOGRAPHIC:
+            return mi.Float(width)
+        away = place - self.position
+        if self.panorama is None:
+            return width * dr.abs(dr.dot(away, self.forward()))
+        return width * dr.norm(away)
 
     # ---- private ----
 

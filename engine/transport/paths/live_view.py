@@ -180,6 +180,7 @@ class LiveView:
                 sobol_pair(sample, own, gather.PAIR_LIGHT),
                 sobol_pair(sample, own, gather.PAIR_SCATTER),
             ),
+            pixel_width=self._film.pixel_width,
         )
         lost = LostSamples(1)
         none = mi.UInt32(0)

@@ -56,6 +56,7 @@ def trace(
     depth=0,
     limit=None,
     reader=None,
+    pixel_width=None,
 ):
     """Radiance that arrives along rays.
 
@@ -71,6 +72,10 @@ def trace(
     first : (Point2f, Point2f) or None    Well-distributed samples for next-event and scattering at the first vertex.
     depth : int    Scatterings so far; 0 hides what the camera must not see.
     limit : UInt32 or None    Most reflections of light that counts, for rays from receivers (``depth`` 1).
+    reader : CellReader or None    What ends paths at cells; None: nothing does.
+    pixel_width : callable or None
+        Takes places that the camera sees and returns the width of a pixel there [m], so that surfaces show what is about as
+        fine; None: they show none of it.
 
     Returns
     -------
@@ -96,7 +101,9 @@ def trace(
     last = None if limit is None else limit + (depth - 1)
     if reader is not None:
         reader.begin(path)
-    path = PathLoop(scene, left_out, depth == 0, first, last, reader).run(path)
+    if not scene.has_sparkle:
+        pixel_width = None
+    path = PathLoop(scene, left_out, depth == 0, first, last, reader, pixel_width).run(path)
     return path.radiance if reader is None else path.radiance + path.read
 
 
@@ -199,9 +206,20 @@ class PathLoop:
     first : (Point2f, Point2f) or None    Samples for next-event and scattering at the first vertex.
     last : UInt32 or None    Depth of the last vertex whose light counts.
     reader : CellReader or None    What ends paths at cells; None: nothing does.
+    pixel_width : callable or None    As of `trace`.
     """
 
-    def __init__(self, scene, left_out=None, is_camera=False, first=None, last=None, reader=None):
+    def __init__(
+        self,
+        scene,
+        left_out=None,
+        is_camera=False,
+        first=None,
+        last=None,
+        reader=None,
+        pixel_width=None,
+    ):
+        self._pixel_width = pixel_width
         self._scene, self._left_out, self._reader = scene, left_out, reader
         self._is_camera, self._first, self._last = is_camera, first, last
 
@@ -244,6 +262,10 @@ class PathLoop:
         scene = self._scene
         looks = path.depth == 0 if self._is_camera else None
         hit, si = meet(scene, path.ray, path.active, looks=looks)
+        if self._pixel_width is not None:
+            # Surfaces know by this that the camera looks at them, and what a pixel covers.
+            width = dr.select(path.depth == 0, self._pixel_width(si.p), 0.0)
+            si.duv_dx = mi.Vector2f(width, 0.0)
         valid = path.active & si.is_valid()
         origin = dr.zeros(mi.Interaction3f)
         origin.p, origin.t = path.reference, 0.0

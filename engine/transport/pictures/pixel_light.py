@@ -235,6 +235,7 @@ class PixelLight:
                 sobol_pair(sample, own, gather.PAIR_SCATTER),
             ),
             reader=reader,
+            pixel_width=self.film.pixel_width,
         )
 
     def _first(self, ray):
