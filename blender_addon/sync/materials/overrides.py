@@ -25,6 +25,8 @@ from ....engine.scene.material import (
 )
 from ....engine.scene.spectrum import Constant, Rgb, Spectrum
 from ...foundation.report import ConversionReport
+from ...paints.convert import convert_paint
+from ...paints.tables import PAINT
 from ...scattering.convert import convert_measured
 from ...scattering.files import MEASURED
 from ..spectra import convert_spectrum, read_file
@@ -33,7 +35,7 @@ HELIUM_D = 587.56
 """Wavelength at which a dispersive index is taken where only one number fits. [nm]"""
 
 MISSING_REFLECTANCE = 0.5
-"""Diffuse reflectance in place of a scattering file that cannot be used. [-]"""
+"""Diffuse reflectance in place of a scattering file or a paint that cannot be used. [-]"""
 
 
 @dataclass(frozen=True)
@@ -167,6 +169,14 @@ def _measured(stated: Statement) -> Surface:
     return Diffuse(Constant(MISSING_REFLECTANCE)) if surface is None else surface
 
 
+def _paint(stated: Statement) -> Surface:
+    remedy = f"diffuse grey {MISSING_REFLECTANCE} is used"
+    surface = convert_paint(
+        stated.settings.paint, stated.report, stated.datablock, remedy, stated.is_patient
+    )
+    return Diffuse(Constant(MISSING_REFLECTANCE)) if surface is None else surface
+
+
 def _black(_stated: Statement) -> Black:
     return Black()
 
@@ -249,6 +259,13 @@ MODELS = {
         7,
         _fabric,
         ("reflectance", "openness", "transmittance"),
+    ),
+    PAINT: Model(
+        "Paint",
+        "Effect paint by its composition: layers with binder, flakes and pigments",
+        8,
+        _paint,
+        ("paint",),
     ),
 }
 """Kinds of surfaces, by their names in scripts."""

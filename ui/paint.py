@@ -1,0 +1,229 @@
+"""Paints: the layers of a composition, a sphere that follows them, and the colours that hand instruments read."""
+
+import bpy
+
+from ..blender_addon.paints import presets, readout
+from ..blender_addon.paints.description import (
+    PARTS,
+    has_matt_substrate,
+    layer_states,
+    name_of,
+    states,
+)
+from ..blender_addon.paints.parts import names_of
+from ..blender_addon.paints.preview import described, pictures
+from ..blender_addon.paints.settings import STRIP
+from ..blender_addon.paints.tables import is_paint, paint_tables
+from .file_parts import LABELS, draw_problem
+from .material import MaterialPanel
+from .parts import draw_icon, draw_lines, draw_text
+
+ADDED = {"flakes": "LUMENRAY_MT_paint_flakes", "pigments": "LUMENRAY_MT_paint_pigments"}
+"""Menus of what can be added to a layer, by kind."""
+
+TITLES = {"flakes": "Flakes", "pigments": "Pigments"}
+"""Of the parts of a layer."""
+
+
+class LUMENRAY_UL_paint_layers(bpy.types.UIList):
+    """Rows of the list of layers, the outermost first."""
+
+    def draw_item(self, context, layout, data, item, icon, active_data, active_property):
+        split = layout.split(factor=0.5)
+        split.prop(item, "name", text="", emboss=False, icon="MATERIAL")
+        parts = [
+            f"{len(getattr(item, kind))} {title.lower()}"
+            for kind, title in TITLES.items()
+            if getattr(item, kind)
+        ]
+        row = split.row()
+        row.label(text=f"{item.thickness_um:.3g} µm")
+        row.label(text=", ".join(parts) or "clear")
+
+
+class LUMENRAY_MT_paint_presets(bpy.types.Menu):
+    """Paints that ship and those of the user."""
+
+    bl_label = "Paint Presets"
+
+    def draw(self, context):
+        layout = self.layout
+        own = presets.own()
+        for name in (*presets.shipped(), *own):
+            if own and name == next(iter(own)):
+                layout.separator()
+            text = presets.title_of(name)
+            layout.operator("lumenray.set_paint_preset", text=text).preset = name
+
+
+class PartMenu:
+    """Menu of what can be added to a layer."""
+
+    def draw(self, context):
+        for name in names_of(self.kind):
+            entry = self.layout.operator("lumenray.add_paint_part", text=name)
+            entry.kind, entry.part = self.kind, name
+
+
+class LUMENRAY_MT_paint_flakes(PartMenu, bpy.types.Menu):
+    """Flakes that can be added."""
+
+    bl_label = "Add Flakes"
+    kind = "flakes"
+
+
+class LUMENRAY_MT_paint_pigments(PartMenu, bpy.types.Menu):
+    """Pigments that can be added."""
+
+    bl_label = "Add Pigment"
+    kind = "pigments"
+
+
+class PaintPanel(MaterialPanel):
+    """Panel of a material that is a paint."""
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and is_paint(context.material)
+
+
+class LUMENRAY_PT_paint(PaintPanel, bpy.types.Panel):
+    """Presets, sphere and state."""
+
+    bl_label = "Paint"
+
+    def draw(self, context):
+        layout = self.layout
+        settings = context.material.lumenray.paint
+        row = layout.row(align=True)
+        row.menu("LUMENRAY_MT_paint_presets", text=settings.name or "Presets")
+        row.operator("lumenray.add_paint_preset", text="", icon="ADD")
+        row.operator("lumenray.load_paint", text="", icon="FILEBROWSER")
+        row.operator("lumenray.save_paint", text="", icon="FILE_TICK")
+        state = paint_tables.state_of(settings)
+        if state.problem:
+            draw_problem(layout, context, state.problem, readout.REMEDY)
+        else:
+            reading = described(settings)
+            draw_icon(
+                layout,
+                context,
+                lambda side, is_dark: pictures.icon(reading, min(side, 256), is_dark),
+                pictures.noun,
+            )
+        if state.reading is None and not state.problem:
+            percent = f" ({100.0 * state.share:.0f} %)" if state.share else ""
+            layout.label(text=f"The table is being computed…{percent}", icon="TIME")
+        column = layout.column()
+        column.use_property_split = True
+        column.prop(settings, "use_sparkle")
+
+
+class PaintChild(PaintPanel):
+    """Part of the panel of a paint."""
+
+    bl_parent_id = "LUMENRAY_PT_paint"
+
+
+class LUMENRAY_PT_paint_layers(PaintChild, bpy.types.Panel):
+    """Layers, their flakes and pigments, and the substrate."""
+
+    bl_label = "Layers"
+
+    def draw(self, context):
+        layout = self.layout
+        settings = context.material.lumenray.paint
+        row = layout.row()
+        row.template_list(
+            "LUMENRAY_UL_paint_layers", "", settings, "layers", settings, "active_layer", rows=4
+        )
+        column = row.column(align=True)
+        column.operator("lumenray.add_paint_layer", text="", icon="ADD")
+        column.operator("lumenray.remove_paint_layer", text="", icon="REMOVE")
+        column.separator()
+        up = column.operator("lumenray.move_paint_layer", text="", icon="TRIA_UP")
+        up.direction = "UP"
+        down = column.operator("lumenray.move_paint_layer", text="", icon="TRIA_DOWN")
+        down.direction = "DOWN"
+        if 0 <= settings.active_layer < len(settings.layers):
+            _draw_layer(layout, settings.layers[settings.active_layer])
+        column = layout.column()
+        column.use_property_split = True
+        if has_matt_substrate(settings):
+            column.prop(settings, "substrate")
+        else:
+            column.label(text="Substrate: as the description states it", icon="INFO")
+        column.prop(settings, "orange_peel_deg")
+
+
+class LUMENRAY_PT_paint_colours(PaintChild, bpy.types.Panel):
+    """Colours by angle, as hand instruments print them."""
+
+    bl_label = "Colours by Angle"
+
+    def draw(self, context):
+        layout = self.layout
+        settings = context.material.lumenray.paint
+        painted = paint_tables.state_of(settings).reading
+        if painted is None:
+            layout.label(text="Not computed yet", icon="TIME")
+            return
+        strip = layout.row(align=True)
+        for number, angle in enumerate(STRIP):
+            column = strip.column(align=True)
+            column.prop(settings, f"strip_{number + 1}", text="")
+            column.label(text=f"{angle}°")
+        table = layout.column(align=True)
+        for number, cells in enumerate((readout.HEAD, *readout.lab_rows(painted))):
+            row = table.row()
+            row.active = number > 0
+            for cell in cells:
+                row.label(text=cell)
+        draw_text(layout, context, readout.GEOMETRY)
+        draw_lines(layout, readout.describe_trust(painted), LABELS)
+        for note in painted.notes:
+            draw_text(layout, context, note, "DOT")
+        layout.operator("lumenray.plot_paint", icon="IMAGE_DATA")
+
+
+def _draw_layer(layout, layer) -> None:
+    """Draw a layer and its parts."""
+    column = layout.column()
+    column.use_property_split = True
+    column.prop(layer, "thickness_um")
+    for name in ("binder_index", "dye"):
+        if layer_states(layer, name):
+            column.prop(layer, name)
+    for kind, title in TITLES.items():
+        row = layout.row()
+        row.label(text=title)
+        row.menu(ADDED[kind], text="", icon="ADD")
+        for number, part in enumerate(getattr(layer, kind)):
+            _draw_part(layout.box(), part, kind, number)
+
+
+def _draw_part(box, part, kind: str, number: int) -> None:
+    """Draw flakes or a pigment."""
+    row = box.row()
+    row.label(text=name_of(part, kind))
+    remove = row.operator("lumenray.remove_paint_part", text="", icon="X")
+    remove.kind, remove.index = kind, number
+    column = box.column()
+    column.use_property_split = True
+    if states(part, kind, "amount"):
+        column.prop(part, "amount_kind")
+        column.prop(part, "amount")
+    for name in PARTS[kind]:
+        if states(part, kind, name):
+            column.prop(part, name)
+
+
+CLASSES = (
+    LUMENRAY_UL_paint_layers,
+    LUMENRAY_MT_paint_presets,
+    LUMENRAY_MT_paint_flakes,
+    LUMENRAY_MT_paint_pigments,
+    LUMENRAY_PT_paint,
+    LUMENRAY_PT_paint_layers,
+    LUMENRAY_PT_paint_colours,
+)
