@@ -155,7 +155,7 @@ class LUMENRAY_OT_add_paint_layer(PaintOperator, bpy.types.Operator):
 
 
 class LUMENRAY_OT_remove_paint_layer(PaintOperator, bpy.types.Operator):
-    """Remove the active layer"""
+    """Remove the active layer of the paint with its flakes and pigments"""
 
     bl_idname = "lumenray.remove_paint_layer"
     bl_label = "Remove Layer"
@@ -223,7 +223,7 @@ class LUMENRAY_OT_remove_paint_part(PaintOperator, bpy.types.Operator):
         description="What is removed. Default Flakes: what makes the effect",
         items=[("flakes", "Flakes", "Plates that mirror"), ("pigments", "Pigment", "Grains")],
     )
-    index: IntProperty(description="Number of it in the layer")
+    index: IntProperty(description="Number of it in the layer", options={"HIDDEN"})
 
     def work(self, context, settings):
         """Remove it."""

@@ -153,7 +153,7 @@ class LUMENRAY_PT_paint_layers(PaintChild, bpy.types.Panel):
             column.prop(settings, "substrate")
         else:
             column.label(text="Substrate: as the description states it", icon="INFO")
-        column.prop(settings, "orange_peel_deg")
+        column.prop(settings, "orange_peel")
 
 
 class LUMENRAY_PT_paint_colours(PaintChild, bpy.types.Panel):

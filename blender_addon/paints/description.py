@@ -167,6 +167,14 @@ def _number(content: dict, name: str, default: float | None = None):
     return value if isinstance(value, int | float) else None
 
 
+def _degrees(angle: float) -> float:
+    return float(f"{math.degrees(angle):.6g}")
+
+
+def _write_tilt(content, value, _whole):
+    content["tilt_deg"] = _degrees(value)
+
+
 def _set(name: str) -> Callable:
     def write(content, value, _whole):
         content[name] = value
@@ -252,13 +260,14 @@ def _write_substrate(content, value, _whole):
 
 
 def _write_peel(content, value, _whole):
-    content["surface"] = content.get("surface", {}) | {"orange_peel_slope_deg": value}
+    content["surface"] = content.get("surface", {}) | {"orange_peel_slope_deg": _degrees(value)}
 
 
 PAINT = {
     "substrate": _Field(lambda c: _number(c.get("substrate", {}), "reflectance"), _write_substrate),
-    "orange_peel_deg": _Field(
-        lambda c: _number(c.get("surface", {}), "orange_peel_slope_deg", 0.0), _write_peel
+    "orange_peel": _Field(
+        lambda c: math.radians(_number(c.get("surface", {}), "orange_peel_slope_deg", 0.0)),
+        _write_peel,
     ),
 }
 
@@ -269,7 +278,7 @@ LAYER = {
 }
 
 FLAKES = {
-    "tilt_deg": _Field(lambda c: _number(c, "tilt_deg", TILT), _set("tilt_deg")),
+    "tilt": _Field(lambda c: math.radians(_number(c, "tilt_deg", TILT)), _write_tilt),
     "median_um": _Field(lambda c: _read_diameters(c).median_um, _write_median),
     "log_spread": _Field(lambda c: _read_diameters(c).log_spread, _write_spread),
     "core_nm": _Field(_read_core, _write_core),

@@ -3,6 +3,8 @@
 Settings hold what panels edit; all else that a description states is kept beside it as JSON text and not lost.
 """
 
+import math
+
 from bpy.props import (
     BoolProperty,
     CollectionProperty,
@@ -36,7 +38,7 @@ def _amount_kind(default: str, items):
     title = next(title for name, title, *_ in items if name == default)
     return EnumProperty(
         name="Amount As",
-        description=f"What is stated of how much there is in the dry layer. Default {title}: what recipes have",
+        description=f"What is stated of how much there is in the dry layer. Default {title}: as recipes state it",
         items=items,
         default=default,
         update=tag_owner,
@@ -46,7 +48,9 @@ def _amount_kind(default: str, items):
 def _amount(default: float, most: float):
     return FloatProperty(
         name="Amount",
-        description=f"How much there is in the dry layer. Default {default:g}: a common paint",
+        description=(
+            f"How much there is in the dry layer, as a share, of areas in 1/µm. Default {default:g}: as in many paints"
+        ),
         default=default,
         min=0.0,
         max=most,
@@ -63,21 +67,23 @@ class LumenrayPaintFlakes(PropertyGroup):
     content: _content()
     amount_kind: _amount_kind("binder_mass_ratio", AMOUNTS)
     amount: _amount(0.1, 10.0)
-    tilt_deg: FloatProperty(
-        name="Tilt [°]",
+    tilt: FloatProperty(
+        name="Tilt",
         description=(
-            "How far the flakes' normals spread about that of the surface, as the description measures it; by default "
-            "the standard deviation of their slopes per axis. Default 5: well laid flakes"
+            "How far the flakes' normals spread about that of the surface, as the description measures it, else the "
+            "standard deviation of their slopes per axis. Default 5°: well laid flakes"
         ),
-        default=5.0,
-        min=0.5,
-        max=40.0,
-        precision=2,
+        default=math.radians(5.0),
+        min=math.radians(0.5),
+        max=math.radians(40.0),
+        subtype="ANGLE",
         update=tag_owner,
     )
     median_um: FloatProperty(
         name="Diameter [µm]",
-        description="Median diameter by number; 0: not stated, and no sparkle is seen. Default 10: a fine grade",
+        description=(
+            "Median diameter by number, in micrometres; 0: not stated, and no sparkle is seen. Default 10: a fine grade"
+        ),
         default=10.0,
         min=0.0,
         max=2000.0,
@@ -87,7 +93,9 @@ class LumenrayPaintFlakes(PropertyGroup):
     )
     log_spread: FloatProperty(
         name="Spread of Diameters",
-        description="Standard deviation of the logarithm of the diameters. Default 0.4: ground and sieved flakes",
+        description=(
+            "Standard deviation of the natural logarithm of the diameters, a number. Default 0.4: ground and sieved flakes"
+        ),
         default=0.4,
         min=0.0,
         max=1.5,
@@ -96,7 +104,7 @@ class LumenrayPaintFlakes(PropertyGroup):
     )
     core_nm: FloatProperty(
         name="Core [nm]",
-        description="Thickness of the core of flakes that interfere. Default 400: as of silica flakes",
+        description="Thickness of the core of flakes that interfere, in nm. Default 400: as of silica flakes",
         default=400.0,
         min=1.0,
         max=20000.0,
@@ -106,7 +114,7 @@ class LumenrayPaintFlakes(PropertyGroup):
     )
     coating_nm: FloatProperty(
         name="Coating [nm]",
-        description="Thickness of the innermost coating, on both faces; it makes the colour. Default 100",
+        description="Thickness of the innermost coating, on both faces, in nm. Default 100: it reflects blue and yellow",
         default=100.0,
         min=0.1,
         max=5000.0,
@@ -141,7 +149,7 @@ class LumenrayPaintLayer(PropertyGroup):
     content: _content()
     thickness_um: FloatProperty(
         name="Thickness [µm]",
-        description="Of the dry layer. Default 15: a base coat",
+        description="Of the dry layer, in micrometres. Default 15: a base coat",
         default=15.0,
         min=0.1,
         max=10000.0,
@@ -211,14 +219,14 @@ class LumenrayPaintSettings(PropertyGroup):
         subtype="FACTOR",
         update=tag_owner,
     )
-    orange_peel_deg: FloatProperty(
-        name="Orange Peel [°]",
-        description="Standard deviation of the surface's slope per axis by long waves. Default 0: smooth",
+    orange_peel: FloatProperty(
+        name="Orange Peel",
+        description="Standard deviation of the surface's slope per axis by long waves. Default 0°: a smooth surface",
         default=0.0,
         min=0.0,
-        max=20.0,
-        soft_max=2.0,
-        precision=2,
+        max=math.radians(20.0),
+        soft_max=math.radians(2.0),
+        subtype="ANGLE",
         update=tag_owner,
     )
     use_sparkle: BoolProperty(

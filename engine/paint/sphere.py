@@ -1,7 +1,7 @@
 """A sphere of a paint for a look: quick enough to follow a slider.
 
-A few bands are enough for a look, and the waves of its surface are left out. What single flakes reflect is sharp and in closed form, so it is computed at every other
-pixel; the rest is smooth and computed at every fourth.
+A few bands are enough for a look, and the waves of its surface are left out. What single flakes reflect is sharp and in
+closed form, so it is computed at every other pixel; the rest is smooth and computed at every fourth.
 """
 
 import numpy as np

@@ -130,7 +130,7 @@ def test_edits_are_in_the_description_and_leave_the_rest(material):
     base = settings.layers[1]
     flakes = base.flakes[0]
     settings.substrate, base.thickness_um, base.binder_index, base.dye = 0.25, 20.0, 1.55, 2.0
-    flakes.amount_kind, flakes.amount, flakes.tilt_deg = "volume_fraction", 0.02, 6.0
+    flakes.amount_kind, flakes.amount, flakes.tilt = "volume_fraction", 0.02, np.radians(6.0)
     flakes.median_um, flakes.core_nm, flakes.coating_nm = 14.0, 300.0, 90.0
     base.pigments[0].strength = 3.0
     made = describe(settings)
@@ -208,7 +208,7 @@ def test_what_is_wrong_with_a_paint_is_told(material, monkeypatch):
     settings = material.lumenray
     adopt(settings.paint, CONTENT)
     settings.paint.layers[1].flakes[0].amount = 0.9
-    settings.paint.layers[1].flakes[0].tilt_deg = 0.5
+    settings.paint.layers[1].flakes[0].tilt = np.radians(0.5)
     report = ConversionReport()
     surface, _ = convert_override(settings, report, "Car")
     assert isinstance(surface, Diffuse)
@@ -237,7 +237,7 @@ def test_layers_and_parts_are_added_moved_and_removed(material):
         assert {
             "LUMENRAY_UL_paint_layers",
             "amount",
-            "tilt_deg",
+            "tilt",
             "core_nm",
             "strength",
             "substrate",
