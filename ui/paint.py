@@ -16,7 +16,7 @@ from ..blender_addon.paints.settings import STRIP
 from ..blender_addon.paints.tables import is_paint, paint_tables
 from .file_parts import LABELS, draw_problem
 from .material import MaterialPanel
-from .parts import draw_icon, draw_lines, draw_text
+from .parts import draw_icon, draw_lines, draw_text, draw_wide
 
 ADDED = {"flakes": "LUMENRAY_MT_paint_flakes", "pigments": "LUMENRAY_MT_paint_pigments"}
 """Menus of what can be added to a layer, by kind."""
@@ -29,16 +29,14 @@ class LUMENRAY_UL_paint_layers(bpy.types.UIList):
     """Rows of the list of layers, the outermost first."""
 
     def draw_item(self, context, layout, data, item, icon, active_data, active_property):
-        split = layout.split(factor=0.5)
-        split.prop(item, "name", text="", emboss=False, icon="MATERIAL")
+        split = layout.split(factor=0.45)
+        split.prop(item, "name", text="", emboss=False)
         parts = [
             f"{len(getattr(item, kind))} {title.lower()}"
             for kind, title in TITLES.items()
             if getattr(item, kind)
         ]
-        row = split.row()
-        row.label(text=f"{item.thickness_um:.3g} µm")
-        row.label(text=", ".join(parts) or "clear")
+        split.label(text=", ".join([f"{item.thickness_um:.3g} µm", *parts]))
 
 
 class LUMENRAY_MT_paint_presets(bpy.types.Menu):
@@ -147,13 +145,11 @@ class LUMENRAY_PT_paint_layers(PaintChild, bpy.types.Panel):
         down.direction = "DOWN"
         if 0 <= settings.active_layer < len(settings.layers):
             _draw_layer(layout, settings.layers[settings.active_layer])
-        column = layout.column()
-        column.use_property_split = True
         if has_matt_substrate(settings):
-            column.prop(settings, "substrate")
+            draw_wide(layout, settings, "substrate", "Substrate")
         else:
-            column.label(text="Substrate: as the description states it", icon="INFO")
-        column.prop(settings, "orange_peel")
+            layout.label(text="Substrate: as the description states it", icon="INFO")
+        draw_wide(layout, settings, "orange_peel", "Orange Peel")
 
 
 class LUMENRAY_PT_paint_colours(PaintChild, bpy.types.Panel):
@@ -188,12 +184,9 @@ class LUMENRAY_PT_paint_colours(PaintChild, bpy.types.Panel):
 
 def _draw_layer(layout, layer) -> None:
     """Draw a layer and its parts."""
-    column = layout.column()
-    column.use_property_split = True
-    column.prop(layer, "thickness_um")
-    for name in ("binder_index", "dye"):
+    for name in ("thickness_um", "binder_index", "dye"):
         if layer_states(layer, name):
-            column.prop(layer, name)
+            draw_wide(layout, layer, name, _title(layer, name))
     for kind, title in TITLES.items():
         row = layout.row()
         row.label(text=title)
@@ -202,20 +195,23 @@ def _draw_layer(layout, layer) -> None:
             _draw_part(layout.box(), part, kind, number)
 
 
+def _title(settings, name: str) -> str:
+    """Name of a setting for people."""
+    return settings.bl_rna.properties[name].name
+
+
 def _draw_part(box, part, kind: str, number: int) -> None:
     """Draw flakes or a pigment."""
     row = box.row()
     row.label(text=name_of(part, kind))
     remove = row.operator("lumenray.remove_paint_part", text="", icon="X")
     remove.kind, remove.index = kind, number
-    column = box.column()
-    column.use_property_split = True
     if states(part, kind, "amount"):
-        column.prop(part, "amount_kind")
-        column.prop(part, "amount")
+        box.prop(part, "amount_kind", text="")
+        draw_wide(box, part, "amount", "Amount")
     for name in PARTS[kind]:
         if states(part, kind, name):
-            column.prop(part, name)
+            draw_wide(box, part, name, _title(part, name))
 
 
 CLASSES = (
