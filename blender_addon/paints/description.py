@@ -35,7 +35,9 @@ def adopt(settings, content: dict) -> None:
     settings.layers.clear()
     for layer in content["layers"]:
         adopt_layer(settings.layers.add(), layer)
-    settings.active_layer = 0
+    # What makes the effect is looked at first.
+    flaky = [number for number, layer in enumerate(content["layers"]) if layer.get("flakes")]
+    settings.active_layer = flaky[0] if flaky else 0
 
 
 def adopt_layer(settings, content: dict) -> None:

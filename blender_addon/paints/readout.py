@@ -11,7 +11,7 @@ from .tables import paint_tables
 REMEDY = "A plain grey is used until the composition is mended."
 """What is said below a problem with a composition."""
 
-HEAD = ("Aspecular", "L*", "a*", "b*")
+HEAD = ("Angle", "L*", "a*", "b*")
 """Of the table of colours."""
 
 GEOMETRY = "light at 45°, D65, 10° observer"
