@@ -8,7 +8,8 @@ import bpy
 import numpy as np
 import pytest
 from lumenray.blender_addon.foundation.report import ConversionReport
-from lumenray.blender_addon.paints import presets, readout, tables
+from lumenray.blender_addon.file_assets.pictures import Pictures
+from lumenray.blender_addon.paints import presets, preview, readout, tables
 from lumenray.blender_addon.paints.description import adopt, describe, digest_of, to_text
 from lumenray.blender_addon.paints.parts import names_of
 from lumenray.blender_addon.sync.materials.overrides import convert_override
@@ -16,7 +17,7 @@ from lumenray.engine.paint.reader import parse_paint
 from lumenray.engine.scene.material import Diffuse, Measured
 from lumenray.engine.session import Session
 from lumenray.libraries import paints
-from panels import context, draw, interface
+from panels import context, draw, finish_pictures, interface
 
 # Everything that settings edit, and much that they do not.
 CONTENT = {
@@ -265,6 +266,30 @@ def test_files_and_presets_hold_the_composition(material, tmp_path, monkeypatch)
             bpy.ops.lumenray.load_paint(filepath=str(tmp_path / "broken.json"))
         assert settings.name == "Test"
     assert "lumenray.set_paint_preset" in draw("LUMENRAY_MT_paint_presets", context())
+
+
+def test_the_sphere_that_is_asked_for_last_is_drawn_whatever_a_slider_left_behind(material):
+    settings, drawn = material.lumenray.paint, []
+
+    def draw(reading, side, is_dark):
+        drawn.append(reading.digest)
+        return np.zeros((side, side, 4), np.float32)
+
+    spheres = Pictures("sphere", draw, is_latest_enough=True)
+    try:
+        asked = []
+        for thickness in (20.0, 21.0, 22.0, 23.0, 24.0, 25.0):
+            settings.layers[0].thickness_um = thickness
+            reading = preview.described(settings)
+            asked.append(reading.digest)
+            spheres.icon(reading, 32, True)
+        finish_pictures(spheres)
+    finally:
+        spheres.close()
+    assert len(set(asked)) == 6
+    # Each is drawn once at most, in the order in which they were asked for, and the last one is there.
+    assert drawn == [each for each in asked if each in drawn]
+    assert drawn[-1] == asked[-1]
 
 
 def test_the_cuts_become_an_image(material, engine):
