@@ -19,14 +19,17 @@ from .foundation.settings import (
     light_group_property,
     tag_owner,
 )
+from .paints.settings import LumenrayPaintSettings
 from .scattering.settings import LumenrayMeasuredSettings
 from .surface_models import model_items
 
 
 def _follow_override(self, context):
-    """Show the look of a measured material, or what the material was before."""
+    """Show the look of a measured material, or what the material was before; a new paint begins with a preset."""
+    from .paints.presets import begin
     from .scattering.look_nodes import follow_override
 
+    begin(self.id_data)
     follow_override(self.id_data)
     tag_owner(self, context)
 
@@ -211,4 +214,5 @@ class LumenrayMaterialSettings(SpectrumSettings, PropertyGroup):
         update=tag_owner,
     )
     measured: PointerProperty(type=LumenrayMeasuredSettings)
+    paint: PointerProperty(type=LumenrayPaintSettings)
     light_group: light_group_property("what glows with this material")

@@ -40,6 +40,7 @@ from .luminaires.settings import LumenrayEmptySettings, LumenrayLuminaireSetting
 from .material_settings import LumenrayMaterialSettings
 from .modelling import settings as modelling_settings
 from .modelling.settings import LumenrayModellingSettings
+from .paints import settings as paint_settings
 from .raysets.settings import LumenrayRaysetSettings
 from .rendering import mix_settings
 from .rendering import settings as render_settings
@@ -314,6 +315,7 @@ CLASSES = (
     LumenrayRaysetSettings,
     LumenrayLightSettings,
     LumenrayMeasuredSettings,
+    *paint_settings.CLASSES,
     LumenrayMaterialSettings,
     LumenraySkySettings,
     *daylight_settings.CLASSES,

@@ -22,6 +22,7 @@ def _groups():
     from .daylight import following, ready
     from .foundation import background_job, engine_process, identity, running_trials
     from .modelling import results as modelling_results
+    from .paints.tables import paint_tables
     from .raysets.files import ray_files
     from .rendering import light_mix, view_drawing, viewport
     from .scattering.files import scattering_files
@@ -47,6 +48,7 @@ def _groups():
         live,
         ray_files,
         scattering_files,
+        paint_tables,
         engine_process,
         running_bake,
         running_trials,

@@ -4,6 +4,9 @@ from dataclasses import dataclass
 
 from .scattering.files import MEASURED
 
+PAINT = "PAINT"
+"""Model of paints by their composition, see `paints`."""
+
 
 @dataclass(frozen=True)
 class Model:
@@ -55,6 +58,12 @@ MODELS = {
         "Roller blind, net or perforated sheet: some light passes straight, the rest is spread",
         7,
         ("reflectance", "openness", "transmittance"),
+    ),
+    PAINT: Model(
+        "Paint",
+        "Effect paint by its composition: layers with binder, flakes and pigments",
+        8,
+        ("paint",),
     ),
 }
 """Kinds of surfaces, by their names in scripts."""

@@ -97,6 +97,24 @@ def add_command(commands) -> None:
         "--files", type=words, metavar="A,B", help="only these, by their names (default: all)"
     )
     _add_daylight(kinds)
+    paint = _add(
+        kinds,
+        "paint",
+        _run_paint,
+        "effect paints against reference values, Monte Carlo, a clock, and fitted to themselves",
+        "of a part",
+    )
+    paint.add_argument(
+        "--parts",
+        type=words,
+        metavar="A,B",
+        help="only these of reference, walks, tables, speed, fit (default: all)",
+    )
+    paint.add_argument(
+        "--resume",
+        action="store_true",
+        help="go on with the results that --json already holds; of these only --parts are measured again",
+    )
     environment = _add(
         kinds,
         "environment",
@@ -353,6 +371,17 @@ def _run_environment(options, say) -> int:
     bars = environment.check_bars(result)
     tell(tell_bars(bars))
     _write(environment, result, options, not set(environment.PARTS) <= result["parts"].keys())
+    return int(any(bar.passed is False for bar in bars))
+
+
+def _run_paint(options, say) -> int:
+    from ..benchmarks.common.bars import tell_bars
+    from ..benchmarks.paint import run as paint
+
+    result = paint.run(options.parts, say, _read_earlier(options, paint))
+    bars = paint.check_bars(result)
+    tell(tell_bars(bars))
+    _write(paint, result, options, not set(paint.PARTS) <= result["parts"].keys())
     return int(any(bar.passed is False for bar in bars))
 
 

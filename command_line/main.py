@@ -23,6 +23,7 @@ MODULES = {
     "luminaire": "luminaire.commands",
     "rayset": "rayset.commands",
     "brdf": "brdf.commands",
+    "paint": "paint.commands",
     "spectrum": "spectrum.commands",
     "sky": "sky.commands",
     "environment": "environment.commands",
@@ -49,6 +50,7 @@ EPILOG = """examples:
   lumenray luminaire info downlight.ies
   lumenray rayset info led.ray
   lumenray brdf info paint.bsdf
+  lumenray paint plot colour_travel -o colour_travel.png
   lumenray sky info --place Berlin --time 2026-06-21T12:00
   lumenray environment analyse street.hdr
   lumenray glare fisheye.exr

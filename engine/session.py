@@ -5,6 +5,8 @@ its own.
 """
 
 import gc
+import json
+import math
 import threading
 import time
 from collections.abc import Callable
@@ -21,11 +23,12 @@ from .baking.lumel_sheet import LumelSheet
 from .baking.mixed_maps import MixedMap, mix_maps
 from .baking.order import BakeOrder, BakeResult
 from .daylight.coefficients import DaylightCoefficients, DaylightOrder
-from .errors import SceneError
+from .errors import Cancelled, SceneError
 from .grouped_picture import Rendered, render_groups
 from .light_mix import LightMix
 from .live import WatchedView
 from .measurements import Measurement, SensorSpectra, SurfaceProbe
+from .paint.surface import PaintedSurface
 from .requirements.decision import Asked, boxes_of, places_of
 from .requirements.plan import Plan, changed_keys, make_plan
 from .scene.camera import Camera
@@ -184,6 +187,35 @@ class Session:
         LumenrayError    As of `mixed_maps.mix_maps`.
         """
         return tuple(mix_maps(folder, levels, target)[0])
+
+    def compute_paint(
+        self, description: str, progress: Callable[[Progress], None] | None = None
+    ) -> PaintedSurface:
+        """Compute what a paint scatters; it has nothing to do with the scene.
+
+        Parameters
+        ----------
+        description : str    JSON text of its composition.
+
+        Raises
+        ------
+        FileFormatError    The description breaks its schema or names what there is not.
+        SceneError    The paint cannot be solved.
+        Cancelled    After `cancel`.
+        """
+        # Scenes without paints never ask for it.
+        from .paint.painted import paint_surface
+
+        start, self._cancel = time.perf_counter(), False
+
+        def report(share: float) -> None:
+            if self._cancelled():
+                raise Cancelled("the paint was not computed: cancelled")
+            if progress is not None:
+                seconds = time.perf_counter() - start
+                progress(Progress(share, 0, math.inf, seconds, None, "paint"))
+
+        return paint_surface(json.loads(description), report)
 
     def measure(
         self,

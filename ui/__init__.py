@@ -2,6 +2,7 @@
 
 from ..blender_addon.bake import error_graph as error_graphs
 from ..blender_addon.luminaires.preview import pictures as luminaire_pictures
+from ..blender_addon.paints.preview import pictures as paint_pictures
 from ..blender_addon.scattering.preview import pictures as scattering_pictures
 from . import (
     add_menu,
@@ -18,6 +19,7 @@ from . import (
     luminaire_overlay,
     material,
     modelling,
+    paint,
     presets,
     rayset,
     rayset_overlay,
@@ -39,6 +41,7 @@ CLASSES = (
     *rayset.CLASSES,
     *material.CLASSES,
     *scattering.CLASSES,
+    *paint.CLASSES,
     *world.CLASSES,
     *daylight_year.CLASSES,
     *presets.CLASSES,
@@ -81,5 +84,6 @@ def detach():
     luminaire_overlay.detach()
     luminaire_pictures.close()
     scattering_pictures.close()
+    paint_pictures.close()
     error_graphs.close()
     compatibility.detach()

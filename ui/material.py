@@ -73,6 +73,7 @@ DRAWN = {
     "luminance": _draw_luminance,
     "spectrum": _draw_spectrum,
     "measured": _draw_measured,
+    "paint": _draw_measured,
 }
 """What is drawn for settings of a model that are more than one property with its own name."""
 

@@ -30,10 +30,12 @@ class Pictures:
     noun : str    What people call one.
     draw : callable    Given a reading, the side [pixel], whether the ground is dark, and the kind of picture if there are
         several, returns pixels (h, w, 4), row 0 at the bottom.
+    is_latest_enough : bool    Whether only what is asked for last is drawn, and the picture before is shown until then.
     """
 
-    def __init__(self, noun: str, draw: Callable):
-        self.noun, self._draw = noun, draw
+    def __init__(self, noun: str, draw: Callable, is_latest_enough: bool = False):
+        self.noun, self._draw, self._is_latest_enough = noun, draw, is_latest_enough
+        self._latest = ""
         self._icons = None
         self._painter = None
         self._drawing = {}
@@ -58,12 +60,19 @@ class Pictures:
         if name in icons:
             return icons[name].icon_id
         if name not in self._drawing:
+            if self._is_latest_enough:
+                # What a slider has left behind is not drawn any more.
+                for other in [n for n, picture in self._drawing.items() if picture.cancel()]:
+                    del self._drawing[other]
             if self._painter is None:
                 self._painter = ThreadPoolExecutor(1, self.noun)
             self._drawing[name] = self._painter.submit(self._draw, reading, side, is_dark, *kind)
         if not bpy.app.timers.is_registered(self.timer):
             bpy.app.timers.register(self.timer, first_interval=POLL_INTERVAL)
-        return next((icons[other].icon_id for other in icons if other.startswith(content)), 0)
+        known = next((icons[other].icon_id for other in icons if other.startswith(content)), 0)
+        if known == 0 and self._is_latest_enough and self._latest in icons:
+            return icons[self._latest].icon_id
+        return known
 
     def close(self) -> None:
         """Let go of all pictures, and of the thread."""
@@ -95,6 +104,7 @@ class Pictures:
         icon = self._icons.new(name)
         icon.image_size = pixels.shape[1::-1]
         icon.image_pixels_float.foreach_set(pixels.reshape(-1))
+        self._latest = name
 
 
 def side_of(room: float) -> int:

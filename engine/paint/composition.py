@@ -134,14 +134,15 @@ class Diameters:
 
 @dataclass(frozen=True)
 class Mirror:
-    """An opaque flake that reflects a stated share at all angles.
+    """A flake that reflects, and perhaps lets pass, a stated share at all angles.
 
     Parameters
     ----------
-    reflectance : Spectrum    [-]
+    reflectance, transmittance : Spectrum    Together 1 at most. [-]
     """
 
     reflectance: Spectrum
+    transmittance: Spectrum
 
 
 @dataclass(frozen=True)

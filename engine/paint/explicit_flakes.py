@@ -1,8 +1,8 @@
 """Flakes as discs in their places, in a cell that repeats: for flakes that are wide against the gaps between them.
 
 Light that a disc turned back finds the hole by which it came, so wide opaque flakes reflect more than a continuum of the
-same area: exactly parallel ones r (1 - exp(-a H)) in place of r a H / (1 + r a H). Discs may cut each other, and reach into what
-lies above and below their layer.
+same area: exactly parallel ones r (1 - exp(-a H)) in place of r a H / (1 + r a H). Discs may cut each other, and reach
+into what lies above and below their layer.
 """
 
 from dataclasses import replace

@@ -113,13 +113,12 @@ def find_curves(flakes: Flakes, binder_index, wavelengths) -> FlakeCurves:
     SceneError    The flake is so thick that its fringes are finer than what a curve is kept by.
     """
     if isinstance(flakes.optics, Mirror):
-        share = flakes.optics.reflectance.at(wavelengths)
-        return FlakeCurves(
-            1.0,
-            np.broadcast_to(share, (3, 2, len(share))),
-            share[:, None],
-            np.zeros((len(share), 1)),
+        share, passed = (
+            each.at(wavelengths)
+            for each in (flakes.optics.reflectance, flakes.optics.transmittance)
         )
+        curves = np.broadcast_to(share, (3, 2, len(share)))
+        return FlakeCurves(1.0, curves, share[:, None], passed[:, None])
     if _fringes(flakes.optics, binder_index, wavelengths) > FINEST_FRINGE:
         raise SceneError(
             f"flakes '{flakes.name}' of {flakes.thickness_nm:g} nm have too many interference orders, expected thinner ones"

@@ -311,8 +311,8 @@ def _shares_of(
 ) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     angles = np.linspace(0.0, 0.5 * np.pi, ANGLES)
     if isinstance(flakes.optics, Mirror):
-        share = np.full(ANGLES, flakes.optics.reflectance.at(wavelengths)[0])
-        return angles, share, np.zeros(ANGLES)
+        shares = (flakes.optics.reflectance, flakes.optics.transmittance)
+        return angles, *(np.full(ANGLES, each.at(wavelengths)[0]) for each in shares)
     cosines = np.maximum(np.cos(angles), 1e-6)
     across, within, _, passed = find_shares(flakes.optics, np.array([index]), wavelengths, cosines)
     return angles, 0.5 * (across + within)[0], passed[0]

@@ -239,7 +239,17 @@ class _Maker:
             own, where = content["mirror"], f"{place}.mirror"
             thickness = own.get("thickness_nm", OPAQUE_THICKNESS)
             if "reflectance" in own:
-                optics = Mirror(self.spectrum(own["reflectance"], f"{where}.reflectance", most=1.0))
+                optics = Mirror(
+                    self.spectrum(own["reflectance"], f"{where}.reflectance", most=1.0),
+                    self.spectrum(
+                        own.get("transmittance", 0.0), f"{where}.transmittance", most=1.0
+                    ),
+                )
+                bands = np.union1d(optics.reflectance.wavelengths, optics.transmittance.wavelengths)
+                if (
+                    optics.reflectance.at(bands) + optics.transmittance.at(bands)
+                ).max() > 1.0 + 1e-9:
+                    raise ValueError(f"{where} reflects and lets pass more than comes")
             else:
                 optics = Stack(Film(self.index(own["index"], f"{where}.index"), thickness))
         else:

@@ -66,7 +66,7 @@ def find_rates(extinction, back, forth, cosines, weights) -> Rates:
 
 def find_slab(rates: Rates, thickness: float) -> tuple[np.ndarray, np.ndarray]:
     """Reflection and transmission of a layer, direct light in the transmission. [um] -> two (..., n, n) arrays"""
-    lower = np.linalg.cholesky(rates.total)
+    lower = _root_of(rates.total)
     square = _transposed(lower) @ rates.difference @ lower
     values, vectors = np.linalg.eigh(square)
     decay = np.sqrt(np.maximum(values, 0.0))
@@ -105,6 +105,16 @@ def under_face(reflected, face) -> np.ndarray:
     k = np.arange(loop.shape[-1])
     loop[..., k, k] += 1.0
     return np.linalg.solve(loop, reflected)
+
+
+def _root_of(matrix) -> np.ndarray:
+    """L with L L^T a positive matrix, (..., n, n)."""
+    try:
+        return np.linalg.cholesky(matrix)
+    except np.linalg.LinAlgError:
+        # Flakes that hardly reflect may do so by less than the error of their series, and that below 0.
+        values, vectors = np.linalg.eigh(matrix)
+        return vectors * np.sqrt(np.maximum(values, LEAST_EXTINCTION))[..., None, :]
 
 
 def _transposed(matrix) -> np.ndarray:

@@ -29,6 +29,9 @@ FEWEST_DIRECTIONS, FEWEST_MODES = 24, 16
 MOST_DIRECTIONS, MOST_MODES = 96, 144
 """Where these are not enough, the paint is refused."""
 
+TRIED = 2000
+"""Pairs of directions by which it is seen how much is clamped."""
+
 HELD_LOSS = 1e-10
 """Share of light that is lost at each total reflection."""
 
@@ -177,19 +180,13 @@ class Solution:
         return made
 
     @cached_property
-    def clamped(self) -> np.ndarray:
-        """Share of scattered light that series cut short make negative, which counts as none: the largest of all. [-]"""
-        places = np.linspace(0.05, 0.95, 7)
-        sines, leaving, turn = (
-            each.ravel() for each in np.meshgrid(places, places, np.cos(np.linspace(0.1, 3.0, 9)))
-        )
-        pairs = Pairs(sines, leaving, turn)
+    def clamped(self) -> float:
+        """Share of light from everywhere that is below 0 as series are cut short, and counts as none: in the worst band."""
+        rng = np.random.default_rng(3)
+        places = np.sqrt(rng.random((2, TRIED)))
+        pairs = Pairs(*places, np.cos(np.pi * rng.random(TRIED)))
         values = self._rest(pairs) + self.first_order(pairs)
-        return float(
-            (
-                np.maximum(-values, 0.0).sum(axis=0) / np.maximum(np.abs(values).sum(axis=0), 1e-30)
-            ).max()
-        )
+        return float((np.pi * np.maximum(-values, 0.0)).mean(axis=0).max())
 
 
 def solve(

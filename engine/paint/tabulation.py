@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..errors import SceneError
 from ..scattering.data.record import ScatteringFile
 from ..scattering.data.resampling import measure_error
 from ..scattering.data.table import albedos_of, direction_of, evaluate_table
@@ -31,6 +32,12 @@ STEPS_OF_LOBE = 0.75
 
 LOWEST = np.cos(np.radians(89.0))
 """Directions below take the value there, so that what lies below the horizon does not count as dark."""
+
+MOST_CLAMPED, MOST_CHANGE = 1e-4, 0.01
+"""Light that may be clamped, and change from a coarser resolution, above which a paint is solved more finely."""
+
+FINER = 1.5
+"""Share of directions and modes with which that is."""
 
 COARSER = 0.75
 """Share of directions and modes with which a paint is solved again to see how much they matter."""
@@ -152,6 +159,19 @@ def compute(paint: Paint, wavelengths=WAVELENGTHS, step: float = STANDARD, **opt
     SceneError    As of `solve`.
     """
     solution = solve(paint, wavelengths, **options)
+    convergence = measure_convergence(solution)
+    if "resolution" not in options and (
+        solution.clamped > MOST_CLAMPED or convergence > MOST_CHANGE
+    ):
+        size = solution.resolution
+        finer = Resolution(2 * int(0.5 * FINER * size.directions), int(FINER * size.modes))
+        solution = solve(paint, wavelengths, resolution=finer, **options)
+        convergence = measure_convergence(solution)
+    if solution.clamped > MOST_CLAMPED:
+        raise SceneError(
+            f"'{paint.name}' cannot be resolved: {100 * solution.clamped:.2g} % of the light would be negative, expected "
+            f"{100 * MOST_CLAMPED:g} % at most; let its flakes tilt more, or its binders differ less"
+        )
     table = tabulate(solution, step)
 
     def read(wi, wo):
@@ -167,7 +187,6 @@ def compute(paint: Paint, wavelengths=WAVELENGTHS, step: float = STANDARD, **opt
     total = albedos_of(table, table.incidences, [0.0])[0]
     if table.direct is not None:
         total = total + table.direct[0]
-    convergence = measure_convergence(solution)
     return Tabulated(
         table, solution, convergence, reciprocity, float(total.max()), solution.clamped
     )

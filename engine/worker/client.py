@@ -19,6 +19,7 @@ from ..daylight.coefficients import DaylightCoefficients, DaylightOrder
 from ..errors import EngineLost
 from ..light_mix import LightMix
 from ..measurements import Measurement
+from ..paint.surface import PaintedSurface
 from ..requirements.decision import Asked
 from ..scene.camera import Camera
 from ..scene.scene import SceneDelta
@@ -214,6 +215,12 @@ class RemoteSession:
         """How the scene would be computed, as `Session.explain`. Raises as `render`."""
         options = {"transport": transport, "asked": asked, "has_trial": has_trial}
         return self._wait("explain", (), options, None, None)
+
+    def compute_paint(
+        self, description: str, progress: Callable[[Progress], None] | None = None
+    ) -> PaintedSurface:
+        """What a paint scatters, as `Session.compute_paint`. Raises as `render`."""
+        return self._wait("compute_paint", (description,), {}, _states_only(progress), None)
 
     def watch(self, camera: Camera, settings: LiveSettings, display: Display) -> None:
         """Start or change the live view.

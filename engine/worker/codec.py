@@ -18,6 +18,7 @@ from ..analysis import explanation
 from ..baking import lumel_sheet, mixed_maps, order
 from ..daylight import coefficients
 from ..errors import CodecError, LumenrayError
+from ..paint import surface
 from ..requirements import decision, plan
 from ..scene import (
     camera,
@@ -60,7 +61,7 @@ DTYPES = {
 _MODULES = (
     camera, distribution, film, light, light_groups, material, mesh, modelling, provenance, ray_emission, relief, scattering,
     scene, sensor, spectrum, texture, light_mix, measurements, views, extremes, history, stopping, order, backend,
-    coefficients, lumel_sheet, mixed_maps, decision, plan, explanation,
+    coefficients, lumel_sheet, mixed_maps, decision, plan, explanation, surface,
 )  # fmt: skip
 
 

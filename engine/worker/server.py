@@ -26,6 +26,7 @@ JOBS = {
     "render": 1,
     "write_spectral": 1,
     "mix_maps": 1,
+    "compute_paint": 1,
     "measure": 2,
     "measure_sensors": 2,
     "find_daylight": 3,

@@ -61,6 +61,11 @@ class Layout:
         assert scale > 0.0
         self.seen.append("icon")
 
+    def menu(self, name, text=None, icon="NONE"):
+        assert hasattr(bpy.types, name)
+        assert icon in ICONS
+        self.seen.append(name)
+
     def template_list(self, kind, _, data, name, active, index, rows=5):
         assert hasattr(bpy.types, kind)
         assert name in data.bl_rna.properties

@@ -29,7 +29,7 @@ UNITLESS = {"ANGLE", "COLOR", "DISTANCE", "PERCENTAGE", "TRANSLATION"}
 """Subtypes of numbers that Blender shows with their unit, or that need none."""
 
 UNIT = re.compile(
-    r"\b(cd/m²|W/m²|lx|lm|lumens|kelvins|metres?|millimetres|nm|GiB|seconds|minutes|hours|year|pixels|lumels|shares?|factor"
+    r"\b(cd/m²|W/m²|lx|lm|lumens|kelvins|metres?|millimetres|micrometres|nm|GiB|seconds|minutes|hours|year|pixels|lumels|shares?|factor"
     r"|index|0 to 1|exposure value|number|in units of Blender|in its unit|the unit of the quantity|the unit of the row)\b"
     r"|µm²",
     re.IGNORECASE,

@@ -24,8 +24,10 @@ from ....engine.scene.material import (
 from ....engine.scene.spectrum import Constant, Rgb, Spectrum
 from ....imports import loaded_when_used
 from ...foundation.report import ConversionReport
+from ...paints.convert import convert_paint
 from ...scattering.convert import convert_measured
 from ...scattering.files import MEASURED
+from ...surface_models import PAINT
 from ..spectra import convert_spectrum, read_file
 
 with loaded_when_used():
@@ -35,7 +37,7 @@ HELIUM_D = 587.56
 """Wavelength at which a dispersive index is taken where only one number fits. [nm]"""
 
 MISSING_REFLECTANCE = 0.5
-"""Diffuse reflectance in place of a scattering file that cannot be used. [-]"""
+"""Diffuse reflectance in place of a scattering file or a paint that cannot be used. [-]"""
 
 
 @dataclass(frozen=True)
@@ -143,6 +145,14 @@ def _measured(stated: Statement) -> Surface:
     return Diffuse(Constant(MISSING_REFLECTANCE)) if surface is None else surface
 
 
+def _paint(stated: Statement) -> Surface:
+    remedy = f"diffuse grey {MISSING_REFLECTANCE} is used"
+    surface = convert_paint(
+        stated.settings.paint, stated.report, stated.datablock, remedy, stated.is_patient
+    )
+    return Diffuse(Constant(MISSING_REFLECTANCE)) if surface is None else surface
+
+
 def _black(_stated: Statement) -> Black:
     return Black()
 
@@ -191,6 +201,7 @@ MAKERS = {
     "EMITTER": _black,
     MEASURED: _measured,
     "FABRIC": _fabric,
+    PAINT: _paint,
 }
 """From a `Statement` to the `Surface`, by the names of `surface_models.MODELS`."""
 

@@ -6,7 +6,7 @@ import pytest
 from lumenray.benchmarks.paint import reference
 from lumenray.engine.errors import SceneError
 from lumenray.engine.paint.flake_optics import find_curves, find_shares, polynomials
-from tests.helpers.paints import interference, one_layer
+from paints import interference, one_layer
 
 ANGLES = np.cos(np.radians([0, 15, 30, 45, 60, 75]))
 

@@ -3,55 +3,8 @@
 import numpy as np
 import pytest
 
-from lumenray.engine.paint.directions import place_directions
-from lumenray.engine.paint.fresnel import face_reflectance
-from lumenray.engine.paint.matter import PigmentMatter, LayerMatter, scattering
-from lumenray.engine.paint.slab import Rates, add_below, find_rates, find_slab, under_face
-
-
-def slab(albedo, depth, asymmetry=0.0, index=1.0, count=64):
-    """Directions of a slab, its reflection and transmission."""
-    directions = place_directions([index], count)
-    count = len(directions.sines)
-    cosines, flux = directions.cosines(index), directions.weights / index**2
-    one = np.ones(1)
-    series = (asymmetry ** np.arange(300.0 if asymmetry else 1.0))[None]
-    pigment = PigmentMatter(one, albedo * one, series).cut(count)
-    matter = LayerMatter(depth, index * one, index, 0.0 * one, (), (pigment,))
-    back, forth = (each[0] for each in scattering(matter, cosines, 1))
-    rates = find_rates(np.full(count, pigment.extinction[0]), back, forth, cosines, flux)
-    return directions, *(each[0] for each in find_slab(rates, depth))
-
-
-def shares(albedo, depth, asymmetry=0.0, index=1.0):
-    """[UR1, UT1, URU, UTU] of a slab in air, smooth faces included."""
-    directions, reflected, passed = slab(albedo, depth, asymmetry, index)
-    face = face_reflectance(np.minimum(directions.sines, 2.0), 1.0, index)
-    # The upper face is added by hand: what comes up from between the faces for what goes down, and what goes out below.
-    beneath = add_below(reflected, passed, np.diag(face))
-    up = under_face(beneath, face)
-    down = np.linalg.solve(
-        np.eye(len(face)) - reflected * face, passed @ (np.eye(len(face)) + face[:, None] * up)
-    )
-    flux = directions.weights
-    out = 1.0 - face
-    root = np.sqrt(flux)
-    normal = directions.interpolation([0.0])[0]
-    found = []
-    for kernel, mirrored in ((up, True), (down, False)):
-        towards = out * root * (kernel @ (out * root))  # by flux from everywhere
-        whole = towards.sum()
-        share = (kernel.T @ (out * root)) / root  # by direction of incidence
-        one = (share * out)[: directions.leaving] @ normal
-        entered = (flux * face)[: directions.leaving].sum()
-        found.append(
-            (
-                one + mirrored * face_reflectance(np.zeros(1), 1.0, index)[0],
-                whole + mirrored * entered,
-            )
-        )
-    (ur1, uru), (ut1, utu) = found
-    return [ur1, ut1, uru, utu]
+from lumenray.benchmarks.paint.slabs import make_slab, shares_of
+from lumenray.engine.paint.slab import Rates, add_below, find_slab
 
 
 @pytest.mark.parametrize(
@@ -67,7 +20,7 @@ def shares(albedo, depth, asymmetry=0.0, index=1.0):
     ],
 )  # fmt: skip
 def test_matched_slabs(albedo, depth, asymmetry, want):
-    assert shares(albedo, depth, asymmetry) == pytest.approx(want, abs=2e-4)
+    assert shares_of(albedo, depth, asymmetry) == pytest.approx(want, abs=2e-4)
 
 
 @pytest.mark.parametrize(
@@ -81,7 +34,7 @@ def test_matched_slabs(albedo, depth, asymmetry, want):
     ],
 )  # fmt: skip
 def test_slabs_with_faces(albedo, depth, asymmetry, index, want):
-    assert shares(albedo, depth, asymmetry, index) == pytest.approx(want, abs=5e-4)
+    assert shares_of(albedo, depth, asymmetry, index) == pytest.approx(want, abs=5e-4)
 
 
 @pytest.mark.parametrize(
@@ -90,7 +43,7 @@ def test_slabs_with_faces(albedo, depth, asymmetry, index, want):
 )
 def test_half_spaces(albedo, h):
     """Chandrasekhar's H function (A1)."""
-    directions, reflected, _ = slab(albedo, 1e5, count=300)
+    directions, reflected, _ = make_slab(albedo, 1e5, count=300)
     root = np.sqrt(directions.weights)
     normal = directions.interpolation([0.0])[0]
     kernel = reflected / np.outer(root, root)
@@ -125,6 +78,6 @@ def test_parallel_flakes(r, t, depth):
 
 def test_slabs_add_to_themselves():
     """Two layers of half the thickness, one on the other, are the whole: what doubling rests upon."""
-    _, half_r, half_t = slab(0.97, 1.5, 0.6, 1.45, 32)
-    _, whole_r, _ = slab(0.97, 3.0, 0.6, 1.45, 32)
+    _, half_r, half_t = make_slab(0.97, 1.5, 0.6, 1.45, 32)
+    _, whole_r, _ = make_slab(0.97, 3.0, 0.6, 1.45, 32)
     assert add_below(half_r, half_t, half_r) == pytest.approx(whole_r, abs=1e-12)

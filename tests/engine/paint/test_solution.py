@@ -7,7 +7,7 @@ from lumenray.benchmarks.paint import reference
 from lumenray.engine.errors import SceneError
 from lumenray.engine.paint.first_order import pairs_of
 from lumenray.engine.paint.solution import Resolution, resolution_for, solve
-from tests.helpers.paints import (
+from paints import (
     SAMPLE_ANGLES,
     SAMPLES,
     aspecular,

@@ -9,7 +9,7 @@ from lumenray.engine.paint.solution import solve
 from lumenray.engine.paint.tabulation import FINE, PREVIEW, STANDARD, compute, tabulate
 from lumenray.engine.scattering.data.store import pack, read_store
 from lumenray.engine.scattering.data.table import evaluate_table
-from tests.helpers.paints import SAMPLES, aspecular, make_paint, mirrors, one_layer
+from paints import SAMPLES, aspecular, make_paint, mirrors, one_layer
 
 BANDS = [450.0, 550.0, 650.0]
 

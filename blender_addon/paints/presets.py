@@ -1,0 +1,63 @@
+"""Presets of paints: those that ship, and those of the user, as files of compositions."""
+
+from pathlib import Path
+
+import bpy
+
+from ...engine.paint.reader import read_paint
+from ...libraries import paints
+from .description import adopt
+from .tables import is_paint
+
+FOLDER = "lumenray_paints"
+"""Of the user's presets."""
+
+FIRST = ("silver_metallic", "violet_pearl")
+"""Presets that a new paint may begin with, the first that there is."""
+
+
+def shipped() -> dict[str, Path]:
+    """Return the files of presets that ship, by their names."""
+    return paints.presets()
+
+
+def own() -> dict[str, Path]:
+    """Return the files of the user's presets, by their names."""
+    folder = own_folder()
+    return {path.stem: path for path in sorted(folder.glob("*.json"))} if folder.is_dir() else {}
+
+
+def own_folder() -> Path:
+    """Return the folder of the user's presets, which there may not be yet."""
+    return Path(bpy.utils.user_resource("SCRIPTS", path=f"presets/{FOLDER}"))
+
+
+def title_of(name: str) -> str:
+    """Return the name of a preset for people."""
+    return name.replace("_", " ").capitalize()
+
+
+def load(settings, path) -> None:
+    """Let settings state the paint of a file.
+
+    Raises
+    ------
+    FileFormatError    It cannot be read.
+    """
+    paint = read_paint(path)
+    content = dict(paint.content)
+    substrate = content["substrate"]
+    if "table" in substrate:
+        # Settings have no place of their own that the file could lie beside.
+        content["substrate"] = {"table": str((Path(path).parent / substrate["table"]).resolve())}
+    adopt(settings, content)
+
+
+def begin(material) -> None:
+    """Give a material that has become a paint a preset to begin with."""
+    settings = material.lumenray.paint
+    if not is_paint(material) or settings.layers or settings.content:
+        return
+    known = shipped()
+    first = next((name for name in FIRST if name in known), next(iter(known)))
+    load(settings, known[first])

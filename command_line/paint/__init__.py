@@ -1,0 +1,1 @@
+"""The commands ``lumenray paint``: effect paints from their composition."""

@@ -1,0 +1,265 @@
+"""Composition of the active material's paint: presets, layers and their parts, files, and a plot."""
+
+import json
+from pathlib import Path
+
+import bpy
+from bpy.props import EnumProperty, IntProperty, StringProperty
+
+from ..blender_addon.scattering.settings import active_material
+from ..blender_addon.surface_models import PAINT
+from ..engine.errors import LumenrayError
+from .file_operators import LoadFile
+from ..imports import loaded_when_used
+
+with loaded_when_used():
+    from ..blender_addon.file_assets import kind as file_kind
+    from ..blender_addon.paints import description, parts, plot, presets, tables
+    from ..engine.reading import whole_file
+
+FILTER = "*.json"
+"""Names that the file browser shows."""
+
+
+class PaintOperator:
+    """Operator on the paint of the active material."""
+
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        material = active_material(context)
+        if material is None:
+            cls.poll_message_set("Select an object with a material")
+            return False
+        if material.library is not None:
+            cls.poll_message_set(
+                "The material is linked from another file, where it can be changed"
+            )
+            return False
+        if not tables.is_paint(material):
+            cls.poll_message_set("The material's model is not Paint")
+            return False
+        return True
+
+    def execute(self, context):
+        material = active_material(context)
+        try:
+            words = self.work(context, material.lumenray.paint)
+        except LumenrayError as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        material.update_tag()
+        if words:
+            self.report({"INFO"}, words)
+        return {"FINISHED"}
+
+
+class LUMENRAY_OT_load_paint(LoadFile, bpy.types.Operator):
+    """Let the active material be a paint as a file describes it, by Lumenray's schema of compositions"""
+
+    bl_idname = "lumenray.load_paint"
+    bl_label = "Open Composition"
+    nobody = "Select an object with a material"
+    elsewhere = "The material is linked from another file, where it can be changed"
+
+    filter_glob: StringProperty(default=FILTER, options={"HIDDEN"})
+
+    @staticmethod
+    def find(context):
+        material = active_material(context)
+        return None if material is None else material.lumenray.paint
+
+    def work(self, context, settings):
+        presets.load(settings, bpy.path.abspath(self.filepath))
+        owner = settings.id_data.lumenray
+        owner.model, owner.use_override = PAINT, True
+        return {"INFO"}, f"{settings.name or Path(self.filepath).stem} is taken over"
+
+
+class LUMENRAY_OT_save_paint(PaintOperator, bpy.types.Operator):
+    """Write the composition of the paint as a JSON file, which other scenes and the command 'lumenray paint' read"""
+
+    bl_idname = "lumenray.save_paint"
+    bl_label = "Save Composition"
+
+    filepath: StringProperty(
+        description="Path of the file", subtype="FILE_PATH", options={"SKIP_SAVE"}
+    )
+    filter_glob: StringProperty(default=FILTER, options={"HIDDEN"})
+    check_existing: bpy.props.BoolProperty(default=True, options={"HIDDEN"})
+
+    def invoke(self, context, event):
+        if self.filepath:
+            return self.execute(context)
+        name = active_material(context).lumenray.paint.name or "paint"
+        self.filepath = bpy.path.clean_name(name).lower() + ".json"
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def work(self, context, settings):
+        """Write it."""
+        path = Path(bpy.path.abspath(bpy.path.ensure_ext(self.filepath, ".json")))
+        _write(path, settings)
+        return f"{path.name} is written"
+
+
+class LUMENRAY_OT_set_paint_preset(PaintOperator, bpy.types.Operator):
+    """Take over the composition of a preset; what was set before is gone but for undoing"""
+
+    bl_idname = "lumenray.set_paint_preset"
+    bl_label = "Paint Preset"
+
+    preset: StringProperty(description="Name of the preset's file without its ending")
+
+    def work(self, context, settings):
+        """Load it."""
+        path = (presets.shipped() | presets.own()).get(self.preset)
+        if path is None:
+            raise LumenrayError(f"there is no preset '{self.preset}'")
+        presets.load(settings, path)
+
+
+class LUMENRAY_OT_add_paint_preset(PaintOperator, bpy.types.Operator):
+    """Keep the composition as a preset of yours"""
+
+    bl_idname = "lumenray.add_paint_preset"
+    bl_label = "Add Paint Preset"
+
+    name: StringProperty(name="Name", description="Of the preset; one of this name is replaced")
+
+    def invoke(self, context, event):
+        self.name = active_material(context).lumenray.paint.name
+        return context.window_manager.invoke_props_dialog(self)
+
+    def work(self, context, settings):
+        """Write it."""
+        name = bpy.path.clean_name(self.name).strip("_").lower()
+        if not name:
+            raise LumenrayError("a preset needs a name")
+        _write(presets.own_folder() / f"{name}.json", settings)
+        return f"'{presets.title_of(name)}' is among the presets"
+
+
+class LUMENRAY_OT_add_paint_layer(PaintOperator, bpy.types.Operator):
+    """Add a layer of clear binder above the active one"""
+
+    bl_idname = "lumenray.add_paint_layer"
+    bl_label = "Add Layer"
+
+    def work(self, context, settings):
+        """Add it."""
+        description.adopt_layer(settings.layers.add(), parts.new_layer())
+        # Collections grow at their end.
+        settings.layers.move(len(settings.layers) - 1, settings.active_layer)
+
+
+class LUMENRAY_OT_remove_paint_layer(PaintOperator, bpy.types.Operator):
+    """Remove the active layer of the paint with its flakes and pigments"""
+
+    bl_idname = "lumenray.remove_paint_layer"
+    bl_label = "Remove Layer"
+
+    @classmethod
+    def poll(cls, context):
+        if not super().poll(context):
+            return False
+        return len(active_material(context).lumenray.paint.layers) > 1
+
+    def work(self, context, settings):
+        """Remove it."""
+        settings.layers.remove(settings.active_layer)
+        settings.active_layer = min(settings.active_layer, len(settings.layers) - 1)
+
+
+class LUMENRAY_OT_move_paint_layer(PaintOperator, bpy.types.Operator):
+    """Move the active layer outwards or inwards"""
+
+    bl_idname = "lumenray.move_paint_layer"
+    bl_label = "Move Layer"
+
+    direction: EnumProperty(
+        name="Direction",
+        description="Where to. Default Outwards: up in the list",
+        items=[("UP", "Outwards", "Towards the air"), ("DOWN", "Inwards", "Towards the substrate")],
+    )
+
+    def work(self, context, settings):
+        """Move it."""
+        place = settings.active_layer + (-1 if self.direction == "UP" else 1)
+        if 0 <= place < len(settings.layers):
+            settings.layers.move(settings.active_layer, place)
+            settings.active_layer = place
+
+
+class LUMENRAY_OT_add_paint_part(PaintOperator, bpy.types.Operator):
+    """Add flakes or a pigment to the active layer"""
+
+    bl_idname = "lumenray.add_paint_part"
+    bl_label = "Add to Layer"
+
+    kind: EnumProperty(
+        name="Kind",
+        description="What is added. Default Flakes: what makes the effect",
+        items=[("flakes", "Flakes", "Plates that mirror"), ("pigments", "Pigment", "Grains")],
+    )
+    part: StringProperty(description="Name of a constituent, or of one that is to begin with")
+
+    def work(self, context, settings):
+        """Add it."""
+        content = parts.new_part(self.kind, self.part)
+        layer = settings.layers[settings.active_layer]
+        description.adopt_part(getattr(layer, self.kind).add(), self.kind, content)
+
+
+class LUMENRAY_OT_remove_paint_part(PaintOperator, bpy.types.Operator):
+    """Remove flakes or a pigment from the active layer"""
+
+    bl_idname = "lumenray.remove_paint_part"
+    bl_label = "Remove from Layer"
+
+    kind: EnumProperty(
+        name="Kind",
+        description="What is removed. Default Flakes: what makes the effect",
+        items=[("flakes", "Flakes", "Plates that mirror"), ("pigments", "Pigment", "Grains")],
+    )
+    index: IntProperty(description="Number of it in the layer", options={"HIDDEN"})
+
+    def work(self, context, settings):
+        """Remove it."""
+        getattr(settings.layers[settings.active_layer], self.kind).remove(self.index)
+
+
+class LUMENRAY_OT_plot_paint(PaintOperator, bpy.types.Operator):
+    """Draw what the paint scatters in the plane of incidence, as an image of the file"""
+
+    bl_idname = "lumenray.plot_paint"
+    bl_label = "Plot Paint"
+
+    def work(self, context, settings):
+        """Draw it."""
+        try:
+            painted = tables.paint_tables.obtain(settings, is_patient=bpy.app.background)
+        except file_kind.NotReadyError as error:
+            raise LumenrayError(f"{error}; plot it then") from None
+        image = plot.show_cuts(context, settings.name or settings.id_data.name, painted)
+        return f"image '{image.name}'"
+
+
+def _write(path: Path, settings) -> None:
+    with whole_file.write_whole(path, "utf-8") as stream:
+        stream.write(json.dumps(description.describe(settings), indent=2, ensure_ascii=False) + "\n")
+
+
+CLASSES = (
+    LUMENRAY_OT_load_paint,
+    LUMENRAY_OT_save_paint,
+    LUMENRAY_OT_set_paint_preset,
+    LUMENRAY_OT_add_paint_preset,
+    LUMENRAY_OT_add_paint_layer,
+    LUMENRAY_OT_remove_paint_layer,
+    LUMENRAY_OT_move_paint_layer,
+    LUMENRAY_OT_add_paint_part,
+    LUMENRAY_OT_remove_paint_part,
+    LUMENRAY_OT_plot_paint,
+)
