@@ -248,7 +248,9 @@ class LUMENRAY_OT_plot_paint(PaintOperator, bpy.types.Operator):
 
 def _write(path: Path, settings) -> None:
     with whole_file.write_whole(path, "utf-8") as stream:
-        stream.write(json.dumps(description.describe(settings), indent=2, ensure_ascii=False) + "\n")
+        stream.write(
+            json.dumps(description.describe(settings), indent=2, ensure_ascii=False) + "\n"
+        )
 
 
 CLASSES = (
