@@ -151,7 +151,7 @@ class LUMENRAY_OT_add_paint_layer(PaintOperator, bpy.types.Operator):
         """Add it."""
         description.adopt_layer(settings.layers.add(), parts.new_layer())
         # Collections grow at their end.
-        settings.layers.move(len(settings.layers) - 1, settings.active_layer)
+        settings.layers.move(len(settings.layers) - 1, settings.layer_index)
 
 
 class LUMENRAY_OT_remove_paint_layer(PaintOperator, bpy.types.Operator):
@@ -168,8 +168,8 @@ class LUMENRAY_OT_remove_paint_layer(PaintOperator, bpy.types.Operator):
 
     def work(self, context, settings):
         """Remove it."""
-        settings.layers.remove(settings.active_layer)
-        settings.active_layer = min(settings.active_layer, len(settings.layers) - 1)
+        settings.layers.remove(settings.layer_index)
+        settings.layer_index = min(settings.layer_index, len(settings.layers) - 1)
 
 
 class LUMENRAY_OT_move_paint_layer(PaintOperator, bpy.types.Operator):
@@ -186,10 +186,10 @@ class LUMENRAY_OT_move_paint_layer(PaintOperator, bpy.types.Operator):
 
     def work(self, context, settings):
         """Move it."""
-        place = settings.active_layer + (-1 if self.direction == "UP" else 1)
+        place = settings.layer_index + (-1 if self.direction == "UP" else 1)
         if 0 <= place < len(settings.layers):
-            settings.layers.move(settings.active_layer, place)
-            settings.active_layer = place
+            settings.layers.move(settings.layer_index, place)
+            settings.layer_index = place
 
 
 class LUMENRAY_OT_add_paint_part(PaintOperator, bpy.types.Operator):
@@ -208,7 +208,7 @@ class LUMENRAY_OT_add_paint_part(PaintOperator, bpy.types.Operator):
     def work(self, context, settings):
         """Add it."""
         content = parts.new_part(self.kind, self.part)
-        layer = settings.layers[settings.active_layer]
+        layer = settings.layers[settings.layer_index]
         description.adopt_part(getattr(layer, self.kind).add(), self.kind, content)
 
 
@@ -227,7 +227,7 @@ class LUMENRAY_OT_remove_paint_part(PaintOperator, bpy.types.Operator):
 
     def work(self, context, settings):
         """Remove it."""
-        getattr(settings.layers[settings.active_layer], self.kind).remove(self.index)
+        getattr(settings.layers[settings.layer_index], self.kind).remove(self.index)
 
 
 class LUMENRAY_OT_plot_paint(PaintOperator, bpy.types.Operator):

@@ -2,7 +2,7 @@
 
 import bpy
 
-from ..blender_addon.paints.settings import STRIP
+from ..blender_addon.paints.angles import STRIP
 from .file_parts import LABELS, draw_problem
 from .material import MaterialPanel
 from .parts import draw_icon, draw_lines, draw_text, draw_wide
@@ -126,7 +126,7 @@ class LUMENRAY_PT_paint_layers(PaintChild, bpy.types.Panel):
         settings = context.material.lumenray.paint
         row = layout.row()
         row.template_list(
-            "LUMENRAY_UL_paint_layers", "", settings, "layers", settings, "active_layer", rows=4
+            "LUMENRAY_UL_paint_layers", "", settings, "layers", settings, "layer_index", rows=4
         )
         column = row.column(align=True)
         column.operator("lumenray.add_paint_layer", text="", icon="ADD")
@@ -136,8 +136,8 @@ class LUMENRAY_PT_paint_layers(PaintChild, bpy.types.Panel):
         up.direction = "UP"
         down = column.operator("lumenray.move_paint_layer", text="", icon="TRIA_DOWN")
         down.direction = "DOWN"
-        if 0 <= settings.active_layer < len(settings.layers):
-            _draw_layer(layout, settings.layers[settings.active_layer])
+        if 0 <= settings.layer_index < len(settings.layers):
+            _draw_layer(layout, settings.layers[settings.layer_index])
         if description.has_matt_substrate(settings):
             draw_wide(layout, settings, "substrate", "Substrate")
         else:

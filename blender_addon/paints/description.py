@@ -37,7 +37,7 @@ def adopt(settings, content: dict) -> None:
         adopt_layer(settings.layers.add(), layer)
     # What makes the effect is looked at first.
     flaky = [number for number, layer in enumerate(content["layers"]) if layer.get("flakes")]
-    settings.active_layer = flaky[0] if flaky else 0
+    settings.layer_index = flaky[0] if flaky else 0
 
 
 def adopt_layer(settings, content: dict) -> None:

@@ -5,7 +5,7 @@ import numpy as np
 from ...engine.paint.surface import PaintedSurface
 from ...engine.photometry.colour import XYZ_TO_REC709
 from ...engine.scattering.data.tristimulus import weights_of
-from .settings import STRIP
+from .angles import STRIP
 from .tables import paint_tables
 
 REMEDY = "A plain grey is used until the composition is mended."

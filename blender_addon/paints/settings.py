@@ -17,6 +17,7 @@ from bpy.props import (
 from bpy.types import PropertyGroup
 
 from ..foundation.settings import tag_owner
+from .angles import STRIP
 
 AMOUNTS = [
     ("binder_mass_ratio", "To Binder by Mass", "Mass of it over that of the binder", 0),
@@ -24,9 +25,6 @@ AMOUNTS = [
     ("volume_fraction", "Share of Volume", "Of the dry layer", 2),
     ("area_per_volume_per_um", "Area by Volume", "One face of the flakes by volume of the layer, in 1/µm", 3),
 ]  # fmt: skip
-
-STRIP = (15, 25, 45, 75, 110)
-"""Aspecular angles of the colours that panels show. [degree]"""
 
 
 def _content():
@@ -205,7 +203,7 @@ class LumenrayPaintSettings(PropertyGroup):
     name: StringProperty(name="Name", description="Name of the paint, for people", update=tag_owner)
     content: _content()
     layers: CollectionProperty(type=LumenrayPaintLayer)
-    active_layer: IntProperty(
+    layer_index: IntProperty(
         name="Active Layer", description="Layer whose parts are shown below the list", default=0
     )
     substrate: FloatProperty(

@@ -6,7 +6,7 @@ import bpy
 import pytest
 from lumenray import operators, ui
 from lumenray.blender_addon.surface_models import MODELS
-from lumenray.ui import bake, compatibility, luminaire, rayset, scattering
+from lumenray.ui import bake, compatibility, luminaire, paint, rayset, scattering
 from material_trees import new_tree
 from panels import context, draw, labels_of, new_light
 
@@ -32,8 +32,13 @@ def test_every_panel_of_the_properties_editor_is_only_there_for_our_engine():
             material=bpy.data.materials.new("Paint"),
         )
         for kind in ui.CLASSES:
-            # Those that need a file are looked at in test_luminaire_ui, test_raysets and test_scattering.
-            files = luminaire.LuminaireChild | rayset.RaysetChild | scattering.MeasuredPanel
+            # Those that need a file or a paint are looked at in the tests of these.
+            files = (
+                luminaire.LuminaireChild
+                | rayset.RaysetChild
+                | scattering.MeasuredPanel
+                | paint.PaintPanel
+            )
             if issubclass(kind, files | bake.LUMENRAY_PT_luminaire_group):
                 continue
             if getattr(kind, "bl_space_type", "") == "PROPERTIES":
@@ -116,6 +121,7 @@ def test_saved_files_keep_their_models():
         "EMITTER",
         "MEASURED",
         "FABRIC",
+        "PAINT",
     )
     assert {item.identifier: item.value for item in items} == {
         name: number for number, name in enumerate(names)

@@ -221,8 +221,8 @@ def test_what_is_wrong_with_a_paint_is_told(material, monkeypatch):
 def test_layers_and_parts_are_added_moved_and_removed(material):
     settings = material.lumenray.paint
     adopt(settings, CONTENT)
-    assert settings.active_layer == 1
-    settings.active_layer = 0
+    assert settings.layer_index == 1
+    settings.layer_index = 0
     with bpy.context.temp_override(material=material):
         bpy.ops.lumenray.add_paint_layer()
         assert [layer.name for layer in settings.layers] == ["Clear coat", "Clear", "Base"]
