@@ -39,6 +39,9 @@ from .polarisation import make_polarisation
 from .pool import SurfacePool
 from .surroundings import Outside
 
+FEW_RAYS = 0.01
+"""Error for want of rays above which results tell it. [-]"""
+
 COARSE_RADIUS = 1e5
 """Size of scenes from which on the rounding of places is told. [m]"""
 
@@ -482,6 +485,7 @@ class CompiledScene:
         """Say what is approximated."""
         self.notes = self._material_palette.notes()
         self.notes += find_enclosed(self)
+        self.notes += _tell_few_rays(scene)
         for world in worlds(scene):
             if isinstance(world, ImageWorld):
                 self.notes += [
@@ -492,6 +496,20 @@ class CompiledScene:
                 f"the scene is {2e-3 * self.radius:.3g} km wide: places in it are rounded to about "
                 f"{1e3 * self.radius * SINGLE:.2g} mm"
             )
+
+
+def _tell_few_rays(scene: Scene) -> list[str]:
+    """Say of which lights so few rays are known that results cannot be as exact as what is stated of them."""
+    known: dict[float, list[str]] = {}
+    for light in scene.lights.values():
+        rays = getattr(light, "rays", None)
+        if rays is not None and rays.information_error > FEW_RAYS:
+            known.setdefault(rays.information_error, []).append(light.name)
+    return [
+        f"'{names[0]}'{f' and {len(names) - 1} more' if len(names) > 1 else ''}: the ray file has so few rays that light in "
+        f"a cell with a 192nd of it is known within {100.0 * error:.2g} %, which no stated error holds"
+        for error, names in known.items()
+    ]
 
 
 def _marks(column: np.ndarray):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from baking_rooms import bake, moved
 from lumenray.benchmarks.raysets.sources import disk, helix, sphere
+from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.errors import SceneError
 from lumenray.engine.photometry.spectra import GRID, luminous_efficiency
 from lumenray.engine.raysets.cloud import make_cloud
@@ -57,6 +58,18 @@ def test_the_error_of_a_point_falls_with_the_distance():
     assert errors[1] > 3.0 * errors[2] > 3.0 * errors[5]
     assert errors[5] < 0.015
     assert errors[20] < 0.005
+
+
+@pytest.mark.mitsuba
+@pytest.mark.parametrize("error", [0.04, 0.001])
+def test_results_say_that_a_file_has_few_rays(error):
+    lamp = lamp_at((0.0, 0.0, 1.0))
+    lamp = replace(lamp, rays=replace(lamp.rays, information_error=error))
+    session = session_of(BLACK, floor(1.0), lamp)
+    made = session.measure(np.zeros((1, 3)), np.array([[0.0, 0.0, 1.0]]), StopRule(samples=16))
+    told = [note for note in made.provenance.notes if "few rays" in note]
+    assert len(told) == (error > 0.01)
+    assert all("within 4 %" in note for note in told)
 
 
 @pytest.mark.mitsuba
