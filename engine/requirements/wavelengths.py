@@ -1,7 +1,7 @@
 """Which wavelengths paths carry.
 
 Where light has wavelengths, each path carries four of them. Drawn in proportion to what lamps give and the eye sees of it,
-all bring about as much; drawn evenly from the whole range, some bring next to nothing. The mean is the same (theory 15.4).
+all bring about as much; drawn evenly from the whole range, some bring next to nothing. The mean is the same (theory 15.5).
 """
 
 from ..scene.modelling import Switch

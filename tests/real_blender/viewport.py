@@ -183,7 +183,7 @@ def check_colour(pixels, value, low, high, text, logarithmic=False):
     wanted = colours(np.array([value]), low, high)[0].astype(float)
     found = pixels.mean(axis=(0, 1))
     record.check(
-        np.abs(found - wanted).max() < 3.0,
+        np.abs(found - wanted).max() < 2.0,
         f"{text}: {np.round(found).astype(int).tolist()} for {wanted.astype(int).tolist()}",
     )
 
