@@ -9,8 +9,8 @@ from bpy.props import EnumProperty, IntProperty, StringProperty
 from ..blender_addon.scattering.settings import active_material
 from ..blender_addon.surface_models import PAINT
 from ..engine.errors import LumenrayError
-from .file_operators import LoadFile
 from ..imports import loaded_when_used
+from .file_operators import LoadFile
 
 with loaded_when_used():
     from ..blender_addon.file_assets import kind as file_kind

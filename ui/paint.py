@@ -3,10 +3,10 @@
 import bpy
 
 from ..blender_addon.paints.angles import STRIP
+from ..imports import loaded_when_used
 from .file_parts import LABELS, draw_problem
 from .material import MaterialPanel
 from .parts import draw_icon, draw_lines, draw_text, draw_wide
-from ..imports import loaded_when_used
 
 with loaded_when_used():
     from ..blender_addon.paints import description, parts, presets, preview, readout, tables

@@ -3,12 +3,12 @@
 import numpy as np
 from PIL import Image
 
+from ..paint.orange_peel import evaluate
 from ..paint.readings import INCIDENCE, SIX, directions, lab_of
 from ..paint.solution import Solution
 from ..photometry.colour import XYZ_TO_REC709
 from ..reading.printable import printable
 from ..scattering.data.tristimulus import tristimulus
-from ..paint.orange_peel import evaluate
 from .axes import Axes
 from .canvas import SCALE, Canvas, open_chart
 

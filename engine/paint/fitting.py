@@ -17,8 +17,8 @@ import numpy as np
 from ..errors import LumenrayError, SceneError
 from .least_squares import Minimum, minimise
 from .orange_peel import evaluate
-from .readings import read_lab
 from .reader import parse_paint
+from .readings import read_lab
 from .solution import WAVELENGTHS, Resolution, Solution, resolution_for, solve
 
 STARTS = 4

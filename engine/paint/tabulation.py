@@ -6,11 +6,11 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import SceneError
+from ..reading.remarks import Remark
 from ..scattering.data.record import ScatteringFile
 from ..scattering.data.resampling import measure_error
 from ..scattering.data.table import albedos_of, direction_of, evaluate_table
 from ..scene.scattering import ScatterTable
-from ..reading.remarks import Remark
 from .composition import Paint
 from .orange_peel import evaluate
 from .solution import WAVELENGTHS, Resolution, Solution, solve

@@ -8,8 +8,8 @@ import pytest
 from blender_bakes import add_lamp
 from blender_objects import add_quad, new_paint
 from lumenray.blender_addon.sensors import refresh, results, running
-from lumenray.blender_addon.sensors.settings import find_sensors
 from lumenray.blender_addon.sensors.readings import readings_of
+from lumenray.blender_addon.sensors.settings import find_sensors
 from lumenray.ui import add_menu
 from panels import context, draw
 

@@ -18,10 +18,10 @@ from lumenray.blender_addon.foundation import (
     running_trials,
 )
 from lumenray.command_line import main as command_line
-from lumenray.engine.worker import client
 from lumenray.engine import device_trial
 from lumenray.engine.transport.backend import BackendStatus
 from lumenray.engine.transport.devices import CHOICE
+from lumenray.engine.worker import client
 from lumenray.operators import try_devices
 
 JOBS = ["measure", "bake", "render"]

@@ -7,8 +7,8 @@ from types import SimpleNamespace
 import bpy
 import numpy as np
 import pytest
-from lumenray.blender_addon.foundation.report import ConversionReport
 from lumenray.blender_addon.file_assets.pictures import Pictures
+from lumenray.blender_addon.foundation.report import ConversionReport
 from lumenray.blender_addon.paints import presets, preview, readout, tables
 from lumenray.blender_addon.paints.description import adopt, describe, digest_of, to_text
 from lumenray.blender_addon.paints.parts import names_of

@@ -12,8 +12,8 @@ from lumenray.blender_addon.rendering import light_mix, lighting_scenes
 from lumenray.blender_addon.sensors import asked, drawing, files, judging, results, verdicts, words
 from lumenray.blender_addon.sensors import job as sensor_job
 from lumenray.blender_addon.sensors.places import place_sensors, signature_of
-from lumenray.blender_addon.sensors.settings import find_sensors
 from lumenray.blender_addon.sensors.readings import read_readings, readings_of, write_readings
+from lumenray.blender_addon.sensors.settings import find_sensors
 from lumenray.engine.errors import SceneError
 from lumenray.engine.judgement.requirement import Requirement
 from lumenray.engine.judgement.verdict import State

@@ -8,8 +8,8 @@ import pytest
 from blender_bakes import add_lamp
 from blender_objects import add_quad, new_paint
 from lumenray.blender_addon.sensors import asked, drawing, files, pictures, results, words
-from lumenray.blender_addon.sensors.settings import find_sensors
 from lumenray.blender_addon.sensors.readings import read_readings, readings_of, write_readings
+from lumenray.blender_addon.sensors.settings import find_sensors
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.errors import SceneError
 from lumenray.engine.light_mix import Level, LightMix

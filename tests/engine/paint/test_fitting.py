@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-
 from lumenray.engine.errors import SceneError
 from lumenray.engine.paint.fitting import (
     BrdfReadings,

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-
 from lumenray.benchmarks.paint import reference
 from lumenray.engine.errors import SceneError
 from lumenray.engine.paint.flake_optics import find_curves, find_shares, polynomials

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-
 from lumenray.benchmarks.paint import reference
 from lumenray.engine.errors import SceneError
 from lumenray.engine.paint.explicit_flakes import walk_among_discs

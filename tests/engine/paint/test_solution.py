@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-
 from lumenray.benchmarks.paint import reference
 from lumenray.engine.errors import SceneError
 from lumenray.engine.paint.first_order import pairs_of

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-
 from lumenray.engine.paint.orange_peel import evaluate
 from lumenray.engine.paint.readings import ASPECULAR, lab_of, read_lab
 from lumenray.engine.paint.solution import solve

@@ -10,9 +10,9 @@ from ....engine.scattering.data.evaluation import totals
 from ....engine.scattering.data.record import ScatteringFile
 from ....engine.scattering.data.resampling import choose_bands, resample
 from ....engine.scattering.data.store import FORMAT, write_store
-from ....engine.scattering.file_names import SUFFIX
 from ....engine.scattering.data.table import direction_of, turned
 from ....engine.scattering.data.tree import disk_of, square_of
+from ....engine.scattering.file_names import SUFFIX
 from ....engine.scene.scattering import Scatter, ScatterTable, TensorTree
 from ....libraries.materials.catalogue import LIST
 from .colour import WAVELENGTHS
