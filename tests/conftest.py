@@ -6,6 +6,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
+
 from lumenray.engine import llvm
 
 # Test folders are no packages, so shared helpers are found by their folder.
@@ -74,6 +75,7 @@ def transport(request):
 def registered():
     """Register the extension's property groups once, in a Blender with its factory's preferences."""
     import bpy
+
     from lumenray.blender_addon import registry
 
     bpy.ops.wm.read_factory_settings(use_empty=True)
@@ -133,8 +135,9 @@ def new_luminaire(write_photometry):
     """Return a function that makes a light, or an empty, which shines as a file says."""
     import bpy
     from blender_luminaires import add_luminaire
-    from lumenray.blender_addon.luminaires.settings import settings_of
     from mathutils import Matrix
+
+    from lumenray.blender_addon.luminaires.settings import settings_of
 
     def make(content, kind="POINT", matrix=None, name="lamp.ies"):
         source = add_luminaire(kind, write_photometry(content, name))
@@ -149,6 +152,7 @@ def new_luminaire(write_photometry):
 def write_scattering(tmp_path):
     """Return a function that writes a scattering file and returns its path."""
     from blender_scattering import matt
+
     from lumenray.blender_addon.scattering.files import scattering_files
     from lumenray.engine.scattering.data import store
     from lumenray.engine.scattering.data.record import ScatteringFile
@@ -167,6 +171,7 @@ def write_scattering(tmp_path):
 def fake_engine(monkeypatch):
     """Let a fake engine bake for Blender, and return it."""
     from fake_bakes import FakeSession
+
     from lumenray.blender_addon.foundation import engine_process
 
     session = FakeSession()

@@ -10,6 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 from folders import ROOT
+
 from lumenray.imports import loaded_when_used
 
 BLOCK = "loaded_when_used"

@@ -9,9 +9,10 @@ from graphlib import TopologicalSorter
 from pathlib import Path
 
 import grimp
-import lumenray
 import pytest
 from folders import ROOT
+
+import lumenray
 
 ROOMS = (
     "benchmarks", "blender_addon", "command_line", "engine", "libraries", "operators", "tools", "ui", "validation",

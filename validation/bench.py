@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from typing import Protocol
 
 import numpy as np
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.scene import SceneDelta
 from lumenray.engine.scene.sensor import SensorKind

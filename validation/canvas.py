@@ -2,9 +2,10 @@
 
 from pathlib import Path
 
+from PIL import Image, ImageDraw
+
 from lumenray.engine.analysis import canvas
 from lumenray.engine.analysis.canvas import LIGHT, SCALE
-from PIL import Image, ImageDraw
 
 INK, SOFT, RULE = "#222222", "#666666", "#dddddd"
 """Colours of text, of lesser text, and of rules."""

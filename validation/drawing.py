@@ -3,6 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
+from PIL import Image
+
 from lumenray.engine.scene.light import (
     CloudySky,
     FormulaSky,
@@ -14,7 +16,6 @@ from lumenray.engine.scene.light import (
     SunLight,
     UniformWorld,
 )
-from PIL import Image
 
 from .bench import Setup
 from .canvas import INK, SCALE, SOFT, Canvas

@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+
 from lumenray.engine.scene.light import AreaLight, Luminaire, PointLight, SpotLight
 from lumenray.engine.scene.material import (
     Black,

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+
 from lumenray.engine.scene.light import Output, PointLight, Quantity
 from lumenray.engine.scene.material import Black, Diffuse, Emission, Material, Surface
 from lumenray.engine.scene.mesh import Mesh

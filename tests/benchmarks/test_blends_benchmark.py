@@ -5,6 +5,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
+
 from lumenray.benchmarks.blends import pair
 from lumenray.benchmarks.blends import run as blends
 from lumenray.engine.errors import LumenrayError

@@ -4,6 +4,7 @@ import json
 
 import bpy
 import pytest
+
 from lumenray.benchmarks.content import run as content
 from lumenray.engine.errors import LumenrayError
 

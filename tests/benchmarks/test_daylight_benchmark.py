@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+
 from lumenray.benchmarks.daylight import run as daylight
 from lumenray.benchmarks.daylight import skies, speed, year
 from lumenray.benchmarks.daylight.hours import SingleHours, choose_hours

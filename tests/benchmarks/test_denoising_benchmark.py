@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lumenray.benchmarks.denoising import run
 from lumenray.benchmarks.denoising.document import check_bars
 

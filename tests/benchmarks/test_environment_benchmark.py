@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+
 from lumenray.benchmarks.environment import run as environment
 from lumenray.benchmarks.environment.drawn_maps import Spot, make_map
 from lumenray.benchmarks.environment.suns import LIMB, _part_below

@@ -5,10 +5,11 @@ import json
 import numpy as np
 import pytest
 from glass_scenes import fresnel
+from panes import share, stack_share
+
 from lumenray.benchmarks.hidden import run as hidden_light
 from lumenray.benchmarks.hidden import truths
 from lumenray.benchmarks.hidden.scenes import make_scenes
-from panes import share, stack_share
 
 UP = np.array([0.0, 0.0, 1.0])
 

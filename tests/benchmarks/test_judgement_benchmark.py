@@ -3,6 +3,7 @@
 import json
 
 import pytest
+
 from lumenray.benchmarks.judgement import run as judgement
 from lumenray.benchmarks.judgement import verdicts
 

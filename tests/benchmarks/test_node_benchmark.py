@@ -2,6 +2,7 @@
 
 import bpy
 import pytest
+
 from lumenray.benchmarks.nodes import run as nodes
 
 pytestmark = pytest.mark.usefixtures("extension")

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lumenray.benchmarks.requirements.random_scenes import find_errors, make_scene
 from lumenray.engine.requirements.decision import Asked, boxes_of
 from lumenray.engine.requirements.plan import make_plan

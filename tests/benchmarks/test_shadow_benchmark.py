@@ -1,6 +1,7 @@
 """The benchmark of shadow catchers and photomontages holds its bars."""
 
 import pytest
+
 from lumenray.benchmarks.environment.shadows import measure_shadows
 
 pytestmark = [pytest.mark.mitsuba, pytest.mark.slow]

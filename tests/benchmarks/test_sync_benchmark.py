@@ -3,6 +3,7 @@
 import json
 
 import pytest
+
 from lumenray.benchmarks.common.bars import tell_bars
 from lumenray.benchmarks.sync import edits
 from lumenray.benchmarks.sync import run as sync

@@ -2,6 +2,7 @@
 
 import bpy
 import pytest
+
 from lumenray.blender_addon import asset_libraries
 from lumenray.blender_addon.foundation import preferences
 from lumenray.libraries import luminaires, materials

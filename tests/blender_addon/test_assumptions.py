@@ -6,6 +6,7 @@ import re
 
 import bpy
 import pytest
+
 from lumenray.blender_addon import assumptions
 from lumenray.blender_addon.foundation.report import ConversionReport
 from lumenray.command_line import main as command_line

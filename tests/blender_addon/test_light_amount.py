@@ -5,6 +5,8 @@ import math
 import bpy
 import numpy as np
 import pytest
+from panels import draw, interface, new_light
+
 from lumenray.blender_addon.foundation.report import ConversionReport
 from lumenray.blender_addon.sync.lights.lights import convert_light
 from lumenray.engine.photometry.units import BLENDER_EFFICACY
@@ -17,7 +19,6 @@ from lumenray.engine.transport.compiled.emission import (
     sun_illuminance,
 )
 from lumenray.libraries import luminaires
-from panels import draw, interface, new_light
 
 AMOUNT = {
     "PointLight": point_intensity,

@@ -4,6 +4,7 @@ import bpy
 import pytest
 from blender_bakes import add_lamp
 from blender_objects import add_quad, new_material
+
 from lumenray.blender_addon import light_groups
 from lumenray.blender_addon.sync.scene import convert_scene
 from lumenray.engine.errors import LumenrayError

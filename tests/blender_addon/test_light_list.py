@@ -7,6 +7,8 @@ import types
 import bpy
 import numpy as np
 import pytest
+from panels import context, draw, interface
+
 from lumenray.blender_addon import light_list, shown_lights
 from lumenray.blender_addon.foundation.report import ConversionReport
 from lumenray.blender_addon.sync.lights.lights import convert_light
@@ -22,7 +24,6 @@ from lumenray.engine.transport.compiled.emission import (
     sun_illuminance,
 )
 from lumenray.libraries import luminaires
-from panels import context, draw, interface
 
 FLUX = {
     "PointLight": lambda light: point_intensity(light).amount * 4.0 * math.pi,

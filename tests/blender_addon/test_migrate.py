@@ -7,6 +7,7 @@ from pathlib import Path
 
 import bpy
 import pytest
+
 from lumenray.blender_addon import migrate
 from lumenray.blender_addon.foundation import open_file
 

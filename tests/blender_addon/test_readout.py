@@ -5,6 +5,7 @@ import math
 import bpy
 import numpy as np
 import pytest
+
 from lumenray.blender_addon import readout
 from lumenray.blender_addon.foundation.report import ConversionReport
 from lumenray.blender_addon.sync.lights import readings

@@ -6,10 +6,11 @@ import types
 
 import bpy
 import pytest
+from panels import Drawn, Layout, context, interface
+
 from lumenray.blender_addon import setting_presets
 from lumenray.blender_addon.setting_presets import OWNER, ROOT, SUBFOLDER, VALUES
 from lumenray.ui import bake, render
-from panels import Drawn, Layout, context, interface
 
 FOLDER = ROOT / "presets" / SUBFOLDER
 SHIPPED = sorted(FOLDER.iterdir()) if FOLDER.is_dir() else []

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from blender_objects import new_world
 from bpy_extras.object_utils import world_to_camera_view
-from lumenray.blender_addon import shadow_sun
 from mathutils import Vector
+
+from lumenray.blender_addon import shadow_sun
 
 pytestmark = pytest.mark.usefixtures("extension")
 

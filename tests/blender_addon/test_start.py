@@ -5,6 +5,9 @@ import types
 
 import bpy
 import pytest
+from mathutils import Vector
+from panels import context, draw, interface
+
 from lumenray.blender_addon import feedback, first_steps, light_list
 from lumenray.blender_addon.first_steps import Step
 from lumenray.blender_addon.foundation import preferences
@@ -15,8 +18,6 @@ from lumenray.engine.scene.scene import Scene
 from lumenray.engine.transport.backend import BackendStatus
 from lumenray.libraries.scenes import scene_path
 from lumenray.operators import show_baked
-from mathutils import Vector
-from panels import context, draw, interface
 
 
 @pytest.fixture(scope="module", autouse=True)

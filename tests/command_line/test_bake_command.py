@@ -7,6 +7,7 @@ import pytest
 from blender_bakes import add_lamp
 from blender_objects import add_quad
 from fake_bakes import SIZE, FakeSession, Interrupted
+
 from lumenray.blender_addon.assumptions import UNREACHED
 from lumenray.command_line import main as command_line
 

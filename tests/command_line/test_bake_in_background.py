@@ -9,6 +9,7 @@ import bpy
 import pytest
 from blender_objects import add_quad
 from fake_bakes import SHORT, FakeSession, Interrupted, make_map, make_page, make_result
+
 from lumenray.blender_addon import assumptions
 from lumenray.blender_addon.bake import job as bake
 from lumenray.blender_addon.foundation import engine_process

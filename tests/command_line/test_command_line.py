@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+
 from lumenray.command_line.main import MODULES, build_parser, main
 from lumenray.libraries import luminaires
 

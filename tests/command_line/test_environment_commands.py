@@ -6,6 +6,8 @@ from functools import partial
 import numpy as np
 import pytest
 from commands import run_command
+from PIL import Image
+
 from lumenray.benchmarks.environment.drawn_maps import Spot, make_map
 from lumenray.engine.environment.map_file import read_map, write_map
 from lumenray.engine.scene.light import CieSky
@@ -13,7 +15,6 @@ from lumenray.engine.sky.availability import usual_illuminance
 from lumenray.engine.sky.picture import find_illuminance
 from lumenray.engine.sky.skies import find_luminances
 from lumenray.engine.sky.sunlight import direct_illuminance
-from PIL import Image
 
 pytestmark = pytest.mark.mitsuba
 

@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
+
 from lumenray.command_line import file_list
 from lumenray.command_line.main import main
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from commands import run_command
 from glare_pictures import picture_of, view_of, write_radiance
+
 from lumenray.engine.analysis.picture_glare import rate_picture
 from lumenray.engine.analysis.picture_view import Mapping
 from lumenray.engine.formats.exr import write_channels

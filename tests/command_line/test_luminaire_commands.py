@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 from commands import run_command
 from folders import WILD
-from lumenray.engine.luminaires.formats.reader import read_luminaire
 from PIL import Image
+
+from lumenray.engine.luminaires.formats.reader import read_luminaire
 
 GAMMA = [0, 10, 20, 30, 40, 50, 60, 70, 80, 90]
 

@@ -6,12 +6,13 @@ import bpy
 import pytest
 from blender_objects import add_quad, new_paint
 from commands import run_command
+from weather_files import sunny_year
+
 from lumenray.engine import session as engine_session
 from lumenray.engine.errors import SceneError
 from lumenray.engine.requirements.plan import DECISIONS
 from lumenray.engine.scene.modelling import Modelling, Switch
 from lumenray.engine.scene.scene import Scene
-from weather_files import sunny_year
 
 pytestmark = pytest.mark.usefixtures("extension")
 

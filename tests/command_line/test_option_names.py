@@ -4,8 +4,9 @@ import re
 
 import bpy
 import pytest
-from lumenray.command_line.main import build_parser
 from panels import Drawn, Layout, context, interface
+
+from lumenray.command_line.main import build_parser
 
 pytestmark = pytest.mark.usefixtures("empty_file")
 

@@ -3,6 +3,7 @@
 import argparse
 
 import pytest
+
 from lumenray.command_line import bake as bake_command
 from lumenray.command_line.main import build_parser, main
 from lumenray.libraries import scenes

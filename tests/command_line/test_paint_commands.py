@@ -6,11 +6,12 @@ from functools import partial
 import numpy as np
 import pytest
 from commands import run_command
+from paints import mirrors, one_layer
+from PIL import Image
+
 from lumenray.engine.paint.readings import SIX, read_lab
 from lumenray.engine.paint.solution import solve
 from lumenray.engine.scattering.readers.reader import read_scattering
-from paints import mirrors, one_layer
-from PIL import Image
 
 run = partial(run_command, "paint")
 

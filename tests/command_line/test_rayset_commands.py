@@ -6,11 +6,12 @@ from functools import partial
 import numpy as np
 import pytest
 from commands import run_command
+from PIL import Image
+from ray_files import lambert_rays, tm25, zemax
+
 from lumenray.engine.luminaires.distribution import flux, intensity
 from lumenray.engine.luminaires.formats.reader import read_luminaire
 from lumenray.engine.raysets.reader import read_rays, read_rayset
-from PIL import Image
-from ray_files import lambert_rays, tm25, zemax
 
 run = partial(run_command, "rayset")
 

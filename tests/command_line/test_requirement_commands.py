@@ -6,6 +6,7 @@ from functools import partial
 
 import pytest
 from commands import run_command
+
 from lumenray.libraries.scenes import __file__ as scenes
 
 run = partial(run_command, "requirements")

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from commands import run_command
+
 from lumenray.libraries.luminaires import __file__ as luminaires
 
 run = partial(run_command, "road")

@@ -10,6 +10,11 @@ import numpy as np
 import pytest
 from commands import run_command
 from folders import WILD
+from PIL import Image
+from scattering_files import mdl, zemax
+from scattering_models import directions, ggx, lambert, schlick
+from window_files import KLEMS_FULL, block, window_xml
+
 from lumenray.engine.scattering.data import store
 from lumenray.engine.scattering.data.evaluation import evaluate, measure_reciprocity, total
 from lumenray.engine.scattering.data.patches import pairs_of
@@ -17,10 +22,6 @@ from lumenray.engine.scattering.data.record import ScatteringFile
 from lumenray.engine.scattering.data.resampling import resample
 from lumenray.engine.scattering.readers.reader import read_scattering
 from lumenray.engine.scattering.readers.tensor_file import parse_tensor_file
-from PIL import Image
-from scattering_files import mdl, zemax
-from scattering_models import directions, ggx, lambert, schlick
-from window_files import KLEMS_FULL, block, window_xml
 
 run = partial(run_command, "brdf")
 

@@ -4,11 +4,12 @@ import json
 
 import numpy as np
 import pytest
+from PIL import Image
+
 from lumenray.command_line import main as command_line
 from lumenray.engine.analysis.denoiser import find_denoiser
 from lumenray.engine.formats import exr
 from lumenray.libraries import scenes
-from PIL import Image
 
 pytestmark = pytest.mark.usefixtures("extension")
 
@@ -307,6 +308,7 @@ def test_lux_maps_are_drawn_with_isolux_lines(tmp_path):
 def test_a_goniometer_makes_a_photometric_file_of_a_modelled_luminaire(tmp_path, capsys):
     """A disk of an even luminance, which shines down by the cosine law, beside a sun that is none of it."""
     import bpy
+
     from lumenray.engine.luminaires.formats.reader import read_luminaire
 
     lamp = bpy.data.lights.new("Disk", "AREA")
@@ -342,6 +344,7 @@ def test_a_goniometer_sees_what_a_reflector_adds(tmp_path):
     import bpy
     from blender_bakes import add_lamp
     from blender_objects import new_material
+
     from lumenray.engine.luminaires.formats.reader import read_luminaire
 
     add_lamp("Lamp", value=1000.0).location = (0.0, 0.0, 0.1)

@@ -6,9 +6,10 @@ from functools import partial
 import numpy as np
 import pytest
 from commands import run_command
-from lumenray.command_line.main import main
 from PIL import Image
 from weather_files import epw, epw_record, epw_year, wea
+
+from lumenray.command_line.main import main
 
 run = partial(run_command, "sky")
 

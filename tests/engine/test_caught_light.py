@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lumenray.engine.caught_light import LENGTH, OPEN, SHADED, CaughtLayout
 
 PIXELS, BANDS = 5, 2

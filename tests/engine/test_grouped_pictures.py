@@ -7,6 +7,9 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from live_scenes import camera_at, lamp
+from luminaires import OPENINGS, luminaire
+from small_scenes import box, paint, quad, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.errors import Cancelled, SceneError
 from lumenray.engine.grouped_picture import Rendered, render_groups
@@ -16,8 +19,6 @@ from lumenray.engine.scene.light_groups import LightGroup
 from lumenray.engine.scene.material import Emission
 from lumenray.engine.scene.spectrum import Blackbody, Constant
 from lumenray.engine.views import ViewSettings
-from luminaires import OPENINGS, luminaire
-from small_scenes import box, paint, quad, session_of
 
 pytestmark = pytest.mark.mitsuba
 

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+
 from lumenray.engine.accuracy.estimate import relative_error
 from lumenray.engine.errors import SceneError
 from lumenray.engine.light_mix import GroupLight, Level, LightMix, mix, tint

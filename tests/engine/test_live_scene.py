@@ -5,6 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from live_scenes import block, camera_at, frame_at, lamp
+from small_scenes import paint, quad, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.errors import SceneError
 from lumenray.engine.scene.camera import Camera
@@ -34,7 +36,6 @@ from lumenray.engine.scene.sensor import SensorSet
 from lumenray.engine.scene.spectrum import Blackbody, Constant, Illuminant, Rgb
 from lumenray.engine.session import Session
 from lumenray.engine.views import Display, LiveSettings, ViewSettings
-from small_scenes import paint, quad, session_of
 
 pytestmark = pytest.mark.mitsuba
 

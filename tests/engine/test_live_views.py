@@ -5,6 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from live_scenes import camera_at, lamp
+from small_scenes import box, paint, session_of
+
 from lumenray.engine import denoised_view
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.analysis.denoiser import DenoiserError, find_denoiser
@@ -14,7 +16,6 @@ from lumenray.engine.scene.light_groups import LightGroup
 from lumenray.engine.scene.mesh import Placement
 from lumenray.engine.scene.scene import SceneDelta
 from lumenray.engine.views import Display, DisplayMode, LiveSettings, ViewSettings
-from small_scenes import box, paint, session_of
 
 pytestmark = pytest.mark.mitsuba
 

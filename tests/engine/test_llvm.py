@@ -6,6 +6,7 @@ import sys
 import types
 
 import pytest
+
 from lumenray.engine import llvm
 
 SYSTEM = [

@@ -2,13 +2,14 @@
 
 import numpy as np
 import pytest
+from small_scenes import paint, quad, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.errors import SceneError
 from lumenray.engine.luminance_meter import find_weights, measure_luminance
 from lumenray.engine.scene.light import UniformWorld
 from lumenray.engine.scene.material import Diffuse, Emission, Material
 from lumenray.engine.scene.spectrum import Constant
-from small_scenes import paint, quad, session_of
 
 pytestmark = pytest.mark.mitsuba
 

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.errors import Cancelled, SceneError
 from lumenray.engine.light_mix import GroupLight

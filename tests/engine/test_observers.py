@@ -4,6 +4,9 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from luminaires import grid
+from small_scenes import session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.analysis.glare import (
     Observer,
@@ -22,8 +25,6 @@ from lumenray.engine.scene.light import Luminaire, Output, Quantity, UniformWorl
 from lumenray.engine.scene.light_groups import LightGroup
 from lumenray.engine.scene.spectrum import Constant
 from lumenray.engine.views import ViewSettings
-from luminaires import grid
-from small_scenes import session_of
 
 pytestmark = pytest.mark.mitsuba
 
@@ -216,9 +217,10 @@ def test_a_lamp_that_is_dimmed_beside_a_window_does_not_dilute_it():
 @pytest.mark.mitsuba
 def test_glare_of_light_groups_is_that_of_the_lamps_which_shine():
     """Two panels on a ceiling: with one of them off, and one dimmed, as if the scene had been so."""
+    from small_scenes import box, paint, session_of
+
     from lumenray.engine.scene.light import AreaLight, Output, Quantity
     from lumenray.engine.scene.spectrum import Constant
-    from small_scenes import box, paint, session_of
 
     def panel(name, x, flux):
         frame = np.eye(4)

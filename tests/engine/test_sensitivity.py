@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scattering_models import ggx, lambert
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.errors import SceneError
 from lumenray.engine.scattering.data.resampling import resample
@@ -14,7 +16,6 @@ from lumenray.engine.scene.scene import SceneDelta
 from lumenray.engine.scene.spectrum import Constant
 from lumenray.engine.sensitivity import measure_sensitivities
 from lumenray.engine.session import Session
-from scattering_models import ggx, lambert
 
 pytestmark = pytest.mark.mitsuba
 

@@ -5,11 +5,12 @@ import time
 import numpy as np
 import pytest
 from cgats_files import NM, argyll, grey, pairs, samples, table
+from memory import peak_memory
+from mutations import mutate
+
 from lumenray.engine.errors import FileFormatError
 from lumenray.engine.formats.cgats import is_cgats, read_cgats
 from lumenray.engine.formats.spd import read_spectrum
-from memory import peak_memory
-from mutations import mutate
 
 ROUNDS = 300
 """Damages of every kind of file."""

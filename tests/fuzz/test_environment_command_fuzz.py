@@ -6,10 +6,11 @@ from functools import partial
 import numpy as np
 import pytest
 from commands import run_command
-from lumenray.benchmarks.environment.drawn_maps import Spot, make_map
-from lumenray.engine.environment.map_file import write_map
 from mutations import damage
 from radiance_files import write_picture
+
+from lumenray.benchmarks.environment.drawn_maps import Spot, make_map
+from lumenray.engine.environment.map_file import write_map
 
 run = partial(run_command, "environment")
 

@@ -5,12 +5,13 @@ import time
 
 import numpy as np
 import pytest
+from mutations import damage
+
 from lumenray.engine.errors import FileFormatError
 from lumenray.engine.luminaires.distribution import flux, intensity
 from lumenray.engine.luminaires.formats.eulumdat.reader import parse_eulumdat
 from lumenray.engine.luminaires.formats.eulumdat.writer import write_eulumdat
 from lumenray.engine.luminaires.formats.reader import parse_luminaire
-from mutations import damage
 
 CHUNKS = 16
 MUTATIONS = (8000 if os.environ.get("LUMENRAY_ALL_SEEDS") else 1200) // CHUNKS

@@ -7,6 +7,10 @@ import numpy as np
 import pytest
 from goniometer_files import about_mirror, about_normal, e1392, in_plane, lobe
 from instruments import measure, paint
+from memory import peak_memory
+from mutations import mutate
+from tensor_files import measured_like
+
 from lumenray.engine.errors import FileFormatError, SceneError
 from lumenray.engine.scattering.data.table import check_table
 from lumenray.engine.scattering.measuring.calibration import calibrate
@@ -23,9 +27,6 @@ from lumenray.engine.scattering.readers.tensor_file import (
     parse_tensor_file,
     read_tensor_file,
 )
-from memory import peak_memory
-from mutations import mutate
-from tensor_files import measured_like
 
 ROUNDS = 350
 """Damages of every kind of file."""

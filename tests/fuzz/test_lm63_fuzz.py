@@ -5,6 +5,8 @@ import time
 
 import numpy as np
 import pytest
+from mutations import mutate
+
 from lumenray.engine.errors import FileFormatError
 from lumenray.engine.luminaires.coordinates import FRAMES
 from lumenray.engine.luminaires.distribution import flux, intensity, mirrored, turned
@@ -13,7 +15,6 @@ from lumenray.engine.luminaires.formats.lm63.writer import write_lm63
 from lumenray.engine.luminaires.formats.record import LampSet, LuminaireFile, TiltTable
 from lumenray.engine.luminaires.formats.symmetry import expand_planes
 from lumenray.engine.scene.distribution import SHAPES, IntensityDistribution, Opening
-from mutations import mutate
 
 CHUNKS = 16
 MUTATIONS = (8000 if os.environ.get("LUMENRAY_ALL_SEEDS") else 1600) // CHUNKS

@@ -2,9 +2,6 @@
 
 import numpy as np
 import pytest
-from lumenray.engine.errors import FileFormatError
-from lumenray.engine.raysets.reader import read_rayset
-from lumenray.engine.raysets.survey import survey_rays
 from memory import peak_memory
 from mutations import mutate
 from ray_files import (
@@ -18,6 +15,10 @@ from ray_files import (
     zemax,
     zemax_text,
 )
+
+from lumenray.engine.errors import FileFormatError
+from lumenray.engine.raysets.reader import read_rayset
+from lumenray.engine.raysets.survey import survey_rays
 
 ROUNDS = 550
 """Damages of every kind of file; with ten kinds more than 5000."""

@@ -2,14 +2,6 @@
 
 import numpy as np
 import pytest
-from lumenray.engine.errors import FileFormatError
-from lumenray.engine.scattering.data.table import check_table
-from lumenray.engine.scattering.readers import mixtures, slices
-from lumenray.engine.scattering.readers.lighttools import is_lighttools, read_lighttools
-from lumenray.engine.scattering.readers.mdl import is_mdl, read_mdl
-from lumenray.engine.scattering.readers.speos import is_speos, read_speos
-from lumenray.engine.scattering.readers.zemax import is_zemax, read_zemax
-from lumenray.engine.scene.scattering import ScatterTable
 from memory import peak_memory
 from mutations import NUMBER, NUMBERS, mutate
 from scattering_files import (
@@ -26,6 +18,15 @@ from scattering_files import (
     zemax,
 )
 from scattering_models import towards
+
+from lumenray.engine.errors import FileFormatError
+from lumenray.engine.scattering.data.table import check_table
+from lumenray.engine.scattering.readers import mixtures, slices
+from lumenray.engine.scattering.readers.lighttools import is_lighttools, read_lighttools
+from lumenray.engine.scattering.readers.mdl import is_mdl, read_mdl
+from lumenray.engine.scattering.readers.speos import is_speos, read_speos
+from lumenray.engine.scattering.readers.zemax import is_zemax, read_zemax
+from lumenray.engine.scene.scattering import ScatterTable
 
 ROUNDS = 400
 """Damages of every kind of file."""

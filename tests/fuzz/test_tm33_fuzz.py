@@ -5,11 +5,12 @@ import time
 
 import numpy as np
 import pytest
+from mutations import damage
+
 from lumenray.engine.errors import FileFormatError
 from lumenray.engine.luminaires.distribution import flux
 from lumenray.engine.luminaires.formats.reader import parse_luminaire
 from lumenray.engine.luminaires.formats.tm33.reader import parse_tm33
-from mutations import damage
 
 CHUNKS = 16
 MUTATIONS = (8000 if os.environ.get("LUMENRAY_ALL_SEEDS") else 1200) // CHUNKS

@@ -4,12 +4,13 @@ import time
 
 import numpy as np
 import pytest
-from lumenray.engine.errors import FileFormatError, SceneError
-from lumenray.engine.sky.weather import find_hours
-from lumenray.engine.sky.weather_file import read_weather
 from memory import peak_memory
 from mutations import damage
 from weather_files import epw, epw_record, wea
+
+from lumenray.engine.errors import FileFormatError, SceneError
+from lumenray.engine.sky.weather import find_hours
+from lumenray.engine.sky.weather_file import read_weather
 
 ROUNDS = 400
 """Damages of every kind of file."""

@@ -4,14 +4,15 @@ import time
 
 import numpy as np
 import pytest
+from memory import peak_memory
+from mutations import mutate
+from window_files import SMALL, SMALL_BASIS, SMALL_COUNT, basis, block, klems, tree, window_xml
+
 from lumenray.engine.errors import FileFormatError
 from lumenray.engine.scattering.data.patches import check_patches
 from lumenray.engine.scattering.data.tree import check_tree
 from lumenray.engine.scattering.readers.window_xml import is_window_xml, read_window_xml
 from lumenray.engine.scene.scattering import PatchMatrix
-from memory import peak_memory
-from mutations import mutate
-from window_files import SMALL, SMALL_BASIS, SMALL_COUNT, basis, block, klems, tree, window_xml
 
 ROUNDS = 400
 """Damages of every kind of file; with four kinds 1600."""

@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 from gltf_files import GltfFile
+from small_scenes import quad
+
 from lumenray.engine.accuracy.extremes import Extreme
 from lumenray.engine.accuracy.history import History
 from lumenray.engine.baking.order import AtlasPage, BakeResult, Layout, LuxMap, Seams
@@ -12,7 +14,6 @@ from lumenray.engine.scene.material import Diffuse, Emission, Material, ThinGlas
 from lumenray.engine.scene.mesh import Mesh
 from lumenray.engine.scene.provenance import Provenance
 from lumenray.engine.scene.spectrum import Constant, Rgb
-from small_scenes import quad
 
 DENSITY = 32.0
 """Lumels per metre."""

@@ -3,13 +3,14 @@
 from dataclasses import replace
 
 import numpy as np
+from small_scenes import box
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.baking.order import BakeOrder
 from lumenray.engine.scene.light import Output, PointLight, Quantity
 from lumenray.engine.scene.mesh import Mesh
 from lumenray.engine.scene.scene import SceneDelta
 from lumenray.engine.session import Session
-from small_scenes import box
 
 
 def lamp(position, flux=1000.0, radius=0.1, name="lamp"):

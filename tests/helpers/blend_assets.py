@@ -3,6 +3,7 @@
 import re
 
 import bpy
+
 from lumenray.command_line.asset_library import build
 
 

@@ -2,6 +2,7 @@
 
 import bpy
 import numpy as np
+
 from lumenray.blender_addon.luminaires import places as luminaire_places
 from lumenray.blender_addon.luminaires.files import photometric_files
 from lumenray.blender_addon.luminaires.settings import settings_of

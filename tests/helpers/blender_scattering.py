@@ -2,6 +2,7 @@
 
 import bpy
 import numpy as np
+
 from lumenray.engine.scene.scattering import ScatterTable
 
 INCIDENCES = np.radians([0.0, 30.0, 60.0])

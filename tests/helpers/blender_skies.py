@@ -5,6 +5,7 @@ import math
 import bpy
 import numpy as np
 from conversion import converted_scene
+
 from lumenray.engine.accuracy.stopping import StopRule
 
 

@@ -1,6 +1,7 @@
 """Bent and knotted meshes, and whether their charts keep the rules."""
 
 import numpy as np
+
 from lumenray.engine.atlas.charts import ChartLimits
 from lumenray.engine.scene.mesh import Mesh
 

@@ -1,6 +1,7 @@
 """What Blender's data become for the engine."""
 
 import bpy
+
 from lumenray.blender_addon.foundation.report import ConversionReport, Severity
 from lumenray.blender_addon.sync.lights.lights import convert_light
 from lumenray.blender_addon.sync.materials.materials import convert_material

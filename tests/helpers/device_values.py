@@ -10,6 +10,7 @@ SIGNIFICANCE = 1e-3 / 100
 
 def upload(values):
     import mitsuba as mi
+
     from lumenray.engine.arrays import upload
 
     return upload(mi.Float, values)

@@ -1,6 +1,7 @@
 """What tests of EULUMDAT share."""
 
 import numpy as np
+
 from lumenray.engine.luminaires.coordinates import directions
 from lumenray.engine.luminaires.distribution import intensity
 from lumenray.engine.luminaires.formats.eulumdat.reader import parse_eulumdat

@@ -3,6 +3,10 @@
 import numpy as np
 from baking_rooms import lamp, pierced_box
 from glass_scenes import LUX, ball, slab, sun
+from luminaires import luminaire
+from scattering_models import ggx
+from small_scenes import paint, quad
+
 from lumenray.engine.scattering.data.patches import PatchBasis, PatchMatrix
 from lumenray.engine.scattering.data.resampling import resample
 from lumenray.engine.scene.distribution import Opening
@@ -48,9 +52,6 @@ from lumenray.engine.scene.relief import Heights, Normals
 from lumenray.engine.scene.scattering import Sparkle
 from lumenray.engine.scene.spectrum import Constant, Illuminant
 from lumenray.engine.scene.texture import ImageTexture
-from luminaires import luminaire
-from scattering_models import ggx
-from small_scenes import paint, quad
 
 GREY = Constant(0.5)
 CHECKS = ImageTexture(

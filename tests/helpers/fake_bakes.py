@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+
 from lumenray.engine.accuracy.extremes import Extreme
 from lumenray.engine.accuracy.history import History, Mark
 from lumenray.engine.accuracy.stopping import Progress

@@ -5,8 +5,9 @@ from importlib import util
 from pathlib import Path
 
 import numpy as np
-from lumenray.engine.analysis.picture_view import Mapping, PictureView
 from radiance_files import write_picture
+
+from lumenray.engine.analysis.picture_view import Mapping, PictureView
 
 RADIANCE_TYPES = {
     Mapping.EQUIDISTANT: "-vta",

@@ -3,11 +3,12 @@
 from dataclasses import replace
 
 import numpy as np
+from small_scenes import box, paint
+
 from lumenray.engine.scene.light import Output, PointLight, Quantity, SunLight
 from lumenray.engine.scene.material import Cauchy, Dielectric, Glossy, Material
 from lumenray.engine.scene.mesh import Mesh
 from lumenray.engine.scene.spectrum import Constant
-from small_scenes import box, paint
 
 CANDELA = Output(Quantity.LUMINOUS_INTENSITY, 100.0)
 LUX = Output(Quantity.ILLUMINANCE, 1000.0)

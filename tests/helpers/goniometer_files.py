@@ -1,8 +1,9 @@
 """Texts of goniometers, made from a function of two directions."""
 
 import numpy as np
-from lumenray.engine.scattering.data.table import direction_of
 from scattering_models import towards
+
+from lumenray.engine.scattering.data.table import direction_of
 
 COLOURS = np.array([1.0, 0.8, 0.5])
 """Of the bands."""

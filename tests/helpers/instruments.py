@@ -1,6 +1,7 @@
 """A scattering instrument that measures a known material: with noise, holes, a dark signal, and a lamp that drifts."""
 
 import numpy as np
+
 from lumenray.engine.scattering.data.table import direction_of
 from lumenray.engine.scattering.measuring.raw_measurement import (
     Instrument,

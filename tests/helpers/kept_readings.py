@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import bpy
 import numpy as np
 from blender_bakes import add_lamp
+
 from lumenray.blender_addon.rendering import light_mix
 from lumenray.blender_addon.sensors import asked, results
 from lumenray.engine.scene.provenance import Provenance

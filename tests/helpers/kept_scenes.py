@@ -1,6 +1,7 @@
 """Scenes of the engine that are kept current, and how they differ from a fresh export."""
 
 import bpy
+
 from lumenray.blender_addon.sync.scene_sync import SceneSync
 from lumenray.engine.scene.scene import Scene, content_digest
 

@@ -3,6 +3,7 @@
 from functools import lru_cache
 
 import numpy as np
+
 from lumenray.engine.scattering.data import evaluation
 from lumenray.engine.scattering.data.table import direct_share, interpolate, quadrature
 from lumenray.engine.scattering.readers.reader import read_scattering

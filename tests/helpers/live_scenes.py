@@ -1,11 +1,12 @@
 """What moves in live scenes: blocks, a lamp and a camera."""
 
 import numpy as np
+from small_scenes import box
+
 from lumenray.engine.scene.camera import Camera, Projection
 from lumenray.engine.scene.light import AreaLight, Output, Quantity
 from lumenray.engine.scene.mesh import Geometry
 from lumenray.engine.scene.spectrum import Blackbody
-from small_scenes import box
 
 
 def frame_at(x, y, z, turn=0.0, size=1.0):

@@ -3,6 +3,7 @@
 import math
 
 import numpy as np
+
 from lumenray.engine.luminaires.distribution import intensity
 from lumenray.engine.luminaires.formats.lm63.reader import parse_lm63
 from lumenray.engine.luminaires.formats.record import LuminaireFile

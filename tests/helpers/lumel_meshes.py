@@ -1,6 +1,7 @@
 """Meshes with layouts of one chart or few, and where their lumels' places lie."""
 
 import numpy as np
+
 from lumenray.engine.atlas.layout import Atlas, SurfaceLayout
 from lumenray.engine.scene.mesh import Mesh
 

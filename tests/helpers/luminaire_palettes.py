@@ -1,9 +1,10 @@
 """Palettes of luminaires in kernels, and what is seen of their openings."""
 
 import numpy as np
+from luminaires import opening_axes, opening_pieces
+
 from lumenray.engine.photometry.spectra import photometric_density
 from lumenray.engine.scene.distribution import SHAPES
-from luminaires import opening_axes, opening_pieces
 
 CENTRE = np.array([0.3, -0.2, 0.4])
 

@@ -3,12 +3,13 @@
 from functools import cache
 
 import numpy as np
+from scipy import stats
+from scipy.interpolate import RegularGridInterpolator
+
 from lumenray.engine.luminaires.coordinates import FRAMES
 from lumenray.engine.scene.distribution import IntensityDistribution, Opening
 from lumenray.engine.scene.light import Luminaire, Output, Quantity
 from lumenray.engine.scene.spectrum import Constant
-from scipy import stats
-from scipy.interpolate import RegularGridInterpolator
 
 
 def grid(azimuth, polar, intensity, kind="C"):

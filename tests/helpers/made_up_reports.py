@@ -1,6 +1,8 @@
 """A report whose numbers are made up, with names that a file may hold."""
 
 import numpy as np
+from PIL import Image
+
 from lumenray.engine.accuracy.readings import judge_readings
 from lumenray.engine.analysis.value_plan import draw_grid
 from lumenray.engine.judgement.assessment import assess
@@ -18,7 +20,6 @@ from lumenray.engine.reporting.results import (
     SensorArea,
     Shown,
 )
-from PIL import Image
 
 HOSTILE = "<script>alert('1')</script> & \"Büro\" \x1b[2J\u202e\nLager ł"
 """A name with what browsers, terminals and CSV files take for more than letters."""

@@ -1,6 +1,7 @@
 """Daylight coefficients of sensors that see a part of everything alike, whose illuminances are known."""
 
 import numpy as np
+
 from lumenray.engine.daylight.coefficients import DaylightCoefficients, gather_suns
 from lumenray.engine.scene.provenance import Provenance
 from lumenray.engine.sky.nodes import SkyNodes, find_projection

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 from blender_objects import pixels_of
+
 from lumenray.blender_addon.foundation.report import ConversionReport
 from lumenray.blender_addon.sync.nodes import fields
 from lumenray.blender_addon.sync.nodes.evaluation import Context, evaluate_field

@@ -1,6 +1,7 @@
 """Areas whose illuminances are known but for noise that falls with time, as sensors have it."""
 
 import numpy as np
+
 from lumenray.engine.judgement.figures import find_figures
 from lumenray.engine.judgement.verdict import LOOKS, State, judge, tail
 

@@ -6,6 +6,7 @@ from contextlib import contextmanager
 from functools import partial
 
 import bpy
+
 from lumenray import operators, ui
 from lumenray.blender_addon import registry
 

@@ -6,6 +6,9 @@ from unittest import mock
 
 import numpy as np
 from baking_rooms import lumel_places
+from ray_files import zemax
+from small_scenes import paint, quad
+
 from lumenray.benchmarks.raysets.sources import RADIUS, disk, even_numbers
 from lumenray.engine.raysets import emission
 from lumenray.engine.raysets.cloud import Fluctuation
@@ -13,8 +16,6 @@ from lumenray.engine.raysets.emission import Wish, prepare_light
 from lumenray.engine.raysets.record import Rays
 from lumenray.engine.scene.light import Luminaire, Output, Quantity
 from lumenray.engine.scene.spectrum import Constant
-from ray_files import zemax
-from small_scenes import paint, quad
 
 SIZE = 0.1
 """Diameter of the source. [m]"""

@@ -7,6 +7,7 @@ from scattering_models import towards
 def plugin(surface):
     """Make the plug-in of a surface in the active variant, in light of equal energy."""
     import mitsuba as mi
+
     from lumenray.engine.materials import plugins
     from lumenray.engine.transport.compiled.surfaces import bsdf
     from lumenray.engine.transport.compiled.textures import TextureMaker

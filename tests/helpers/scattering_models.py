@@ -1,6 +1,7 @@
 """Scattering that is known in closed form, to make tables of."""
 
 import numpy as np
+
 from lumenray.engine.scene.scattering import ScatterTable
 
 

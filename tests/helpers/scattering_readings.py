@@ -3,13 +3,14 @@
 from pathlib import Path
 
 import numpy as np
+from scattering_models import towards
+
 from lumenray.engine.scattering.data.record import SIDES
 from lumenray.engine.scattering.data.table import check_table, evaluate_table
 from lumenray.engine.scattering.readers.lighttools import is_lighttools, read_lighttools
 from lumenray.engine.scattering.readers.mdl import is_mdl, read_mdl
 from lumenray.engine.scattering.readers.speos import is_speos, read_speos
 from lumenray.engine.scattering.readers.zemax import is_zemax, read_zemax
-from scattering_models import towards
 
 READERS = (
     (is_zemax, read_zemax),

@@ -4,10 +4,11 @@ import bpy
 import numpy as np
 from blender_objects import pixels_of
 from kept_scenes import KeptScene
-from lumenray.engine.scene.mesh import find_uv_map
-from lumenray.engine.scene.texture import ImageTexture
 from mathutils import Matrix, Vector
 from mathutils.bvhtree import BVHTree
+
+from lumenray.engine.scene.mesh import find_uv_map
+from lumenray.engine.scene.texture import ImageTexture
 
 PIXELS, SPAN = 40, 3.4
 """Side of the picture, and what it shows across. [pixel], [Blender unit]"""

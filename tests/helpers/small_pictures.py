@@ -2,6 +2,8 @@
 
 import numpy as np
 from glass_scenes import ball
+from small_scenes import box, paint, quad, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.camera import Camera, Projection
 from lumenray.engine.scene.light import AreaLight, Output, Quantity
@@ -18,7 +20,6 @@ from lumenray.engine.scene.material import (
 from lumenray.engine.scene.spectrum import Constant, Illuminant, Rgb
 from lumenray.engine.scene.texture import ImageTexture
 from lumenray.engine.views import ViewSettings
-from small_scenes import box, paint, quad, session_of
 
 ROOM = box(3.0, 4.0, 2.5)
 RED = Material("red", "red", Diffuse(Rgb(0.6, 0.15, 0.1)))

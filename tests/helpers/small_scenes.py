@@ -1,6 +1,7 @@
 """Small scenes shared by the engine's tests."""
 
 import numpy as np
+
 from lumenray.engine.scene.material import Diffuse, Material
 from lumenray.engine.scene.mesh import Mesh
 from lumenray.engine.scene.scene import SceneDelta

@@ -1,6 +1,7 @@
 """A spectrum as rows of text, and with one row changed."""
 
 import numpy as np
+
 from lumenray.engine.photometry.spectra import planck
 
 NM = np.arange(380, 781, 5)

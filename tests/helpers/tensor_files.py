@@ -1,6 +1,7 @@
 """Tensor files like those of real measurements: with a density of visible facets, one to many azimuths, and noise."""
 
 import numpy as np
+
 from lumenray.engine.scattering.readers.tensor_file import pack_fields
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lumenray.engine.errors import FileFormatError
 from lumenray.engine.luminaires.distribution import intensity
 from lumenray.engine.luminaires.formats.tm33.reader import parse_tm33

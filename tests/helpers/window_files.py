@@ -1,11 +1,12 @@
 """WINDOW XML files of few values, written by hand."""
 
 import numpy as np
+from scattering_models import towards
+
 from lumenray.engine.scattering.data.patches import albedos, evaluate_patches, patch_of
 from lumenray.engine.scattering.data.tree import albedos_of_tree, evaluate_tree
 from lumenray.engine.scattering.readers.window_xml import read_window_xml
 from lumenray.engine.scene.scattering import PatchMatrix
-from scattering_models import towards
 
 KLEMS_FULL = "LBNL/Klems Full"
 

@@ -7,6 +7,7 @@ import threading
 import time
 
 import numpy as np
+
 from lumenray.engine.accuracy.history import History
 from lumenray.engine.accuracy.stopping import Progress
 from lumenray.engine.baking.order import BakeResult, Departure, Seams

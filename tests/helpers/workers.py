@@ -5,14 +5,15 @@ import time
 from contextlib import contextmanager
 from pathlib import Path
 
-import lumenray
 import numpy as np
+from small_scenes import box, paint
+
+import lumenray
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.camera import Camera, Projection
 from lumenray.engine.scene.light import Output, PointLight, Quantity
 from lumenray.engine.views import Display, LiveSettings, ViewSettings
 from lumenray.engine.worker.client import Worker
-from small_scenes import box, paint
 
 ROOT = Path(lumenray.__file__).parent
 

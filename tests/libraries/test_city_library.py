@@ -8,6 +8,8 @@ from zoneinfo import TZPATH, ZoneInfo, available_timezones
 
 import numpy as np
 import pytest
+from mutations import mutate
+
 from lumenray.libraries.cities.catalogue import (
     FILE,
     MOST_PROBLEMS,
@@ -18,7 +20,6 @@ from lumenray.libraries.cities.catalogue import (
     read_cities,
     shipped_cities,
 )
-from mutations import mutate
 
 CITIES = shipped_cities()
 

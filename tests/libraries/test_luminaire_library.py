@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from lumenray.engine.errors import FileFormatError
 from lumenray.engine.luminaires import distribution as distributions
 from lumenray.engine.luminaires.coordinates import directions

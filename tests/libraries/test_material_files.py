@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from library_materials import RECIPES, UP, at, sides_of, total
+
 from lumenray.engine.scattering.data.evaluation import evaluate
 from lumenray.engine.scattering.data.table import direct_share
 from lumenray.tools.libraries.materials import diffusers, fresnel, roads, sheets

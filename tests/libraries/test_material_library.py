@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 from library_materials import ENTRIES, FILES, NAMES, RECIPES, at, sides_of, total
+
 from lumenray.engine.photometry.spectra import GRID, illuminant, luminous_efficiency
 from lumenray.engine.scattering.data.evaluation import evaluate, measure_reciprocity
 from lumenray.engine.scattering.data.surface import excess_of

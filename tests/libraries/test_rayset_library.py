@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lumenray.engine.raysets.reader import read_rayset
 from lumenray.engine.raysets.survey import survey_rays
 from lumenray.libraries.raysets import FOLDER

@@ -5,9 +5,10 @@ from itertools import pairwise
 import bpy
 import numpy as np
 import pytest
+from mathutils import Vector
+
 from lumenray.libraries.scenes import NAMES, scene_path
 from lumenray.tools.libraries.scenes import build
-from mathutils import Vector
 
 pytestmark = pytest.mark.usefixtures("empty_file")
 

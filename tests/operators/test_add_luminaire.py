@@ -5,8 +5,9 @@ import numpy as np
 import pytest
 from blender_luminaires import body_of, extent_of
 from conversion import converted_light
-from lumenray.blender_addon.luminaires import body, placing
 from photometric_files import FOUR
+
+from lumenray.blender_addon.luminaires import body, placing
 
 pytestmark = pytest.mark.usefixtures("extension")
 

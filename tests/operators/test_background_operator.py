@@ -3,6 +3,7 @@
 from types import SimpleNamespace
 
 import pytest
+
 from lumenray.engine.errors import Cancelled, SceneError
 from lumenray.operators.background_operator import BackgroundOperator
 

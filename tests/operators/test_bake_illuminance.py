@@ -5,17 +5,18 @@ import time
 import types
 
 import bpy
-import lumenray
 import numpy as np
 import pytest
 from blender_bakes import bake_all, baked, wait_for
 from blender_objects import add_quad
 from fake_bakes import SlowSession
+from panels import Drawn, context
+
+import lumenray
 from lumenray.blender_addon.bake import running as running_bake
 from lumenray.blender_addon.foundation import engine_process
 from lumenray.operators import bake_illuminance
 from lumenray.tools.libraries.scenes import tiny
-from panels import Drawn, context
 
 pytestmark = pytest.mark.usefixtures("extension")
 

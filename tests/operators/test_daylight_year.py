@@ -6,11 +6,12 @@ import bpy
 import numpy as np
 import pytest
 from blender_objects import add_quad, new_paint
+from weather_files import sunny_year
+
 from lumenray.blender_addon.daylight_year import asked, results
 from lumenray.engine.daylight.blinds import FixedTimes, PlaneBound, SensorBound, SunBound
 from lumenray.engine.errors import SceneError
 from lumenray.engine.sky.clock_range import ClockRange
-from weather_files import sunny_year
 
 pytestmark = pytest.mark.usefixtures("extension")
 

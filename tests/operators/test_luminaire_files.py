@@ -5,9 +5,10 @@ import numpy as np
 import pytest
 from blender_luminaires import activate, add_luminaire, candelas, extent_of
 from conversion import converted_light
+from photometric_files import EVEN, FOUR, FULL_FLUX, SIDEWAYS
+
 from lumenray.blender_addon.luminaires import placing
 from lumenray.blender_addon.luminaires.settings import active_settings, settings_of
-from photometric_files import EVEN, FOUR, FULL_FLUX, SIDEWAYS
 
 pytestmark = pytest.mark.usefixtures("extension")
 

@@ -7,11 +7,12 @@ import numpy as np
 import pytest
 from blender_bakes import add_lamp
 from blender_objects import add_quad, new_paint
+from panels import context, draw
+
 from lumenray.blender_addon.sensors import refresh, results, running
 from lumenray.blender_addon.sensors.readings import readings_of
 from lumenray.blender_addon.sensors.settings import find_sensors
 from lumenray.ui import add_menu
-from panels import context, draw
 
 pytestmark = pytest.mark.usefixtures("extension")
 

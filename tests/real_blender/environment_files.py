@@ -9,9 +9,10 @@ from PIL import Image, ImageDraw
 HERE = Path(__file__).resolve().parent
 sys.path[:0] = [str(HERE.parents[2]), str(HERE.parent / "helpers")]
 
+from radiance_files import write_picture  # noqa: E402
+
 from lumenray.benchmarks.environment.drawn_maps import Spot, make_map  # noqa: E402
 from lumenray.engine.formats.exr import write_channels  # noqa: E402
-from radiance_files import write_picture  # noqa: E402
 
 WIDTH, HEIGHT, FINER = 960, 640, 4
 """Of the photo [pixel], and by how much finer it is drawn."""

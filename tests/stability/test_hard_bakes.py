@@ -4,13 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from small_scenes import box, paint, quad, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.atlas.layout import Atlas, SurfaceLayout
 from lumenray.engine.atlas.lumels import LumelTable
 from lumenray.engine.baking.order import BakeOrder
 from lumenray.engine.scene.light import Output, PointLight, Quantity, UniformWorld
 from lumenray.engine.scene.mesh import Mesh
-from small_scenes import box, paint, quad, session_of
 
 pytestmark = pytest.mark.mitsuba
 

@@ -4,6 +4,8 @@ import math
 
 import numpy as np
 import pytest
+from small_scenes import box, paint, quad, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.errors import SceneError
 from lumenray.engine.requirements.plan import make_plan
@@ -21,7 +23,6 @@ from lumenray.engine.scene.material import (
 from lumenray.engine.scene.mesh import Mesh
 from lumenray.engine.scene.scene import Scene, SceneDelta
 from lumenray.engine.scene.spectrum import Constant, Illuminant, Rgb
-from small_scenes import box, paint, quad, session_of
 
 INTENSITY = Quantity.LUMINOUS_INTENSITY
 

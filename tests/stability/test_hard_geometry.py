@@ -8,11 +8,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from small_scenes import box, paint, quad, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.light import AreaLight, Output, PointLight, Quantity, SpotLight, SunLight
 from lumenray.engine.scene.material import Black, Emission, Glossy, Material
 from lumenray.engine.scene.spectrum import Constant
-from small_scenes import box, paint, quad, session_of
 
 pytestmark = pytest.mark.mitsuba
 

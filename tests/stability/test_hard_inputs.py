@@ -7,6 +7,8 @@ from dataclasses import fields, is_dataclass, replace
 
 import numpy as np
 import pytest
+from small_scenes import box, paint, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.errors import SceneError
 from lumenray.engine.scene.camera import Camera, Projection
@@ -46,7 +48,6 @@ from lumenray.engine.scene.spectrum import Blackbody, Constant, Daylight, Lines,
 from lumenray.engine.scene.texture import ImageTexture
 from lumenray.engine.session import Session
 from lumenray.engine.views import Display, LiveSettings, ViewSettings
-from small_scenes import box, paint, session_of
 
 pytestmark = pytest.mark.mitsuba
 

@@ -4,6 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from luminaires import flux as flux_of
+from luminaires import intensity, luminaire, turn
+from small_scenes import box, paint, quad, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.camera import Camera, Projection
 from lumenray.engine.scene.distribution import Opening
@@ -23,9 +27,6 @@ from lumenray.engine.scene.mesh import Mesh
 from lumenray.engine.scene.spectrum import Constant, Illuminant
 from lumenray.engine.scene.texture import ImageTexture
 from lumenray.engine.views import ViewSettings
-from luminaires import flux as flux_of
-from luminaires import intensity, luminaire, turn
-from small_scenes import box, paint, quad, session_of
 
 pytestmark = pytest.mark.mitsuba
 

@@ -7,12 +7,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from lumenray.engine.accuracy.stopping import StopRule
-from lumenray.engine.errors import SceneError
-from lumenray.engine.scene.distribution import Opening
 from luminaires import OPENINGS, illuminance, intensity, luminaire, turn
 from luminaires import flux as flux_of
 from small_scenes import session_of
+
+from lumenray.engine.accuracy.stopping import StopRule
+from lumenray.engine.errors import SceneError
+from lumenray.engine.scene.distribution import Opening
 
 pytestmark = pytest.mark.mitsuba
 

@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from small_scenes import paint, quad, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.errors import SceneError
 from lumenray.engine.scene.camera import Camera, Projection
@@ -17,7 +19,6 @@ from lumenray.engine.scene.material import Diffuse, Emission, Glossy, Material, 
 from lumenray.engine.scene.mesh import Geometry, Placement
 from lumenray.engine.scene.spectrum import Constant
 from lumenray.engine.views import ViewSettings
-from small_scenes import paint, quad, session_of
 
 pytestmark = pytest.mark.mitsuba
 

@@ -4,12 +4,13 @@ import warnings
 
 import numpy as np
 import pytest
+from small_scenes import box, paint, quad, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.photometry.colour import chromaticity, cie_lab, colour_difference
 from lumenray.engine.scene.light import Output, PointLight, Quantity, SunLight
 from lumenray.engine.scene.material import Diffuse, Material
 from lumenray.engine.scene.spectrum import Constant, Illuminant, Lines, Tabulated
-from small_scenes import box, paint, quad, session_of
 
 with warnings.catch_warnings():
     warnings.simplefilter("ignore")

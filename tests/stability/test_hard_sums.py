@@ -4,10 +4,11 @@ import math
 
 import numpy as np
 import pytest
+from small_scenes import session_of
+
 from lumenray.engine.accuracy.estimate import Accumulator
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.light import AreaLight, Output, PointLight, Quantity
-from small_scenes import session_of
 
 pytestmark = pytest.mark.mitsuba
 
@@ -40,6 +41,7 @@ def test_a_thousand_million_samples_are_summed_to_a_millionth(name):
     backend.start(spectral=False)
     import drjit as dr
     import mitsuba as mi
+
     from lumenray.engine.transport.paths.illuminance import LARGEST_SUM
 
     samples = synthetic(name, GROUPS * BLOCKS * LARGEST_SUM)

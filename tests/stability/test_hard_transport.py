@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from small_scenes import box, paint, quad, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.light import (
     AreaLight,
@@ -25,7 +27,6 @@ from lumenray.engine.scene.material import (
 from lumenray.engine.scene.mesh import Mesh
 from lumenray.engine.scene.spectrum import Constant
 from lumenray.engine.session import Session
-from small_scenes import box, paint, quad, session_of
 
 pytestmark = pytest.mark.mitsuba
 

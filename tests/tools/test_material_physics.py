@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from library_materials import at
+
 from lumenray.tools.libraries.materials import (
     coats,
     colour,

@@ -7,6 +7,8 @@ import numpy as np
 from blender_bakes import add_lamp, bake_all
 from blender_objects import add_quad, new_paint
 from fake_bakes import make_page, make_result
+from panels import Drawn, Layout, context, draw, settings_drawn
+
 from lumenray.blender_addon import feedback
 from lumenray.blender_addon.bake import folders as bake_folders
 from lumenray.blender_addon.bake import look as baked_look
@@ -17,7 +19,6 @@ from lumenray.engine.baking.order import Layout as MapLayout
 from lumenray.engine.baking.order import LuxMap
 from lumenray.engine.scene.provenance import Provenance
 from lumenray.ui import bake
-from panels import Drawn, Layout, context, draw, settings_drawn
 
 
 def test_panels_draw_what_is_there(fake_engine, tmp_path):

@@ -3,11 +3,12 @@
 import types
 
 import bpy
+from panels import context, draw
+
 from lumenray.blender_addon import feedback, readout
 from lumenray.engine.transport.backend import BackendStatus
 from lumenray.operators import check_engine
 from lumenray.ui import sidebar
-from panels import context, draw
 
 
 def test_designers_are_not_shown_what_an_edit_cost_the_engine():

@@ -6,14 +6,15 @@ import bpy
 import numpy as np
 import pytest
 from blender_objects import pixels_of
+from panels import context, draw
+from picture_worlds import image_of, show
+from radiance_files import write_picture
+
 from lumenray.benchmarks.environment.drawn_maps import Spot, make_map
 from lumenray.blender_addon.daylight.moment import find_moment
 from lumenray.blender_addon.environment.found import analyse_world
 from lumenray.engine.sky.cie import sun_direction
 from lumenray.operators.environment_picture import LUMENRAY_OT_pick_sky as Pick
-from panels import context, draw
-from picture_worlds import image_of, show
-from radiance_files import write_picture
 
 
 def sunny(light=1.0, elevation=40.0, azimuth=120.0):

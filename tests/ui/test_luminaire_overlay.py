@@ -4,9 +4,10 @@ import bpy
 import numpy as np
 import pytest
 from blender_luminaires import shown_places
-from lumenray.ui import luminaire_overlay
 from mathutils import Matrix
 from photometric_files import write_peaks
+
+from lumenray.ui import luminaire_overlay
 
 
 def test_lines_are_curves_as_long_as_the_solid_and_the_opening_in_its_own_size(new_luminaire):

@@ -4,13 +4,14 @@ import math
 
 import bpy
 import pytest
+from panels import context, draw, new_light
+from photometric_files import write_ies, write_peaks
+
 from lumenray import ui
 from lumenray.blender_addon.luminaires.files import photometric_files
 from lumenray.engine.errors import FileFormatError
 from lumenray.engine.reading.remarks import Remark
 from lumenray.ui.luminaire import LuminaireChild
-from panels import context, draw, new_light
-from photometric_files import write_ies, write_peaks
 
 
 def context_of(source):

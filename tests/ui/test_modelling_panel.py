@@ -2,6 +2,8 @@
 
 import bpy
 import pytest
+from panels import context, draw
+
 from lumenray.blender_addon.foundation import background_job, engine_process
 from lumenray.blender_addon.modelling import asked, job, results
 from lumenray.blender_addon.modelling.settings import SWITCHES
@@ -9,7 +11,6 @@ from lumenray.blender_addon.modelling.wishes import read_wishes
 from lumenray.engine.requirements.decision import Asked, Decision
 from lumenray.engine.requirements.plan import DECISIONS, Plan
 from lumenray.engine.session import Session
-from panels import context, draw
 
 PANEL = "LUMENRAY_PT_modelling"
 

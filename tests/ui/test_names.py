@@ -6,6 +6,7 @@ import re
 import bpy
 import pytest
 from folders import ROOT
+
 from lumenray import operators, ui
 from lumenray.blender_addon import feedback, preferences, properties, readout
 

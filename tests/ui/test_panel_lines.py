@@ -3,9 +3,10 @@
 import types
 
 import pytest
+from panels import Layout
+
 from lumenray.blender_addon import readout
 from lumenray.ui import parts
-from panels import Layout
 
 
 @pytest.mark.parametrize("width", [180, 250, 400])

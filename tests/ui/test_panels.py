@@ -4,11 +4,12 @@ import types
 
 import bpy
 import pytest
+from material_trees import new_tree
+from panels import context, draw, labels_of, new_light
+
 from lumenray import operators, ui
 from lumenray.blender_addon.surface_models import MODELS
 from lumenray.ui import bake, compatibility, luminaire, paint, rayset, scattering
-from material_trees import new_tree
-from panels import context, draw, labels_of, new_light
 
 
 def all_panels():

@@ -1,10 +1,11 @@
 """The report of a conversion: listed, searched, copied and forgotten."""
 
 import bpy
+from panels import Drawn, Layout, context, draw
+
 from lumenray.blender_addon import feedback
 from lumenray.blender_addon.foundation.report import ConversionReport
 from lumenray.ui import sidebar
-from panels import Drawn, Layout, context, draw
 
 
 def report():

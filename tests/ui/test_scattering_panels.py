@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 from blender_scattering import add_paint, matt
+from panels import context, draw, finish_pictures
+
 from lumenray.blender_addon.scattering import preview as scattering_pictures
 from lumenray.blender_addon.scattering.files import scattering_files
 from lumenray.engine.errors import LumenrayError
-from panels import context, draw, finish_pictures
 
 
 def lines_of(seen):

@@ -5,6 +5,7 @@ import types
 import bpy
 import numpy as np
 import pytest
+
 from lumenray.blender_addon.sensors.readings import Readings, write_readings
 from lumenray.ui import sensor_overlay
 

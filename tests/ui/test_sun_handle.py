@@ -5,6 +5,8 @@ import math
 import bpy
 import numpy as np
 import pytest
+from picture_worlds import image_of, show
+
 from lumenray.benchmarks.environment.drawn_maps import Spot, make_map
 from lumenray.blender_addon.environment.found import analyse_world
 from lumenray.blender_addon.sun_handle import (
@@ -16,7 +18,6 @@ from lumenray.blender_addon.sun_handle import (
     is_in_front,
 )
 from lumenray.engine.sky.cie import sun_direction
-from picture_worlds import image_of, show
 
 
 @pytest.fixture

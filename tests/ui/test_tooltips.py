@@ -5,10 +5,11 @@ import re
 
 import bpy
 import pytest
+from panels import interface
+
 from lumenray import operators
 from lumenray.blender_addon import feedback, preferences, properties, shown_lights
 from lumenray.blender_addon.bake import tables
-from panels import interface
 
 
 @pytest.fixture(scope="module", autouse=True)

@@ -2,10 +2,11 @@
 
 import bpy
 import pytest
+from panels import new_light
+
 from lumenray.blender_addon import preferences, properties
 from lumenray.blender_addon.bake.settings import LumenrayBakeSettings
 from lumenray.blender_addon.foundation.units import format_lengths
-from panels import new_light
 
 
 def test_errors_are_shown_in_per_cent_and_kept_as_shares():

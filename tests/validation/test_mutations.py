@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lumenray.engine.photometry import spectra, units
 from lumenray.engine.scene.spectrum import Illuminant
 from lumenray.validation.mutations import __main__ as command_line

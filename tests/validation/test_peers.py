@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lumenray.engine.luminaires.formats.reader import read_luminaire
 from lumenray.engine.scene.light import CieSky, Luminaire, Output, PointLight, Quantity
 from lumenray.engine.scene.material import Diffuse, Material, TabulatedPane, ThinGlass, Transparent

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+
 from lumenray.engine.scene.light import CieSky, Output, Quantity, SunLight
 from lumenray.engine.scene.material import Diffuse, Glossy, ThinGlass
 from lumenray.engine.scene.spectrum import Constant

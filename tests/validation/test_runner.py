@@ -6,6 +6,7 @@ import types
 
 import numpy as np
 import pytest
+
 from lumenray import validation as suite
 from lumenray.command_line import validate as validate_command
 from lumenray.command_line.main import main

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from lumenray.benchmarks.common.radiance import run_program
 from lumenray.engine.scene.light import CloudySky, ImageWorld, PerezSky
 from lumenray.engine.scene.texture import ImageTexture

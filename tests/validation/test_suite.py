@@ -1,6 +1,7 @@
 """The quick subset of the validation suite on the engine; everything is run by ``make validate``."""
 
 import pytest
+
 from lumenray.validation.bench import Bench, Engine
 from lumenray.validation.cases import all_cases
 from lumenray.validation.determinism import check_seeds

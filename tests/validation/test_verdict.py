@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+
 from lumenray.validation.bench import Bench, Finding
 from lumenray.validation.determinism import (
     LEAST_VALUES,

@@ -18,9 +18,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from baked_rooms import COLOURS, bake, lamp_light, materials, room
-from lumenray.engine.formats.gltf import GltfLimits, write_gltf
 from PIL import Image
 from small_scenes import quad
+
+from lumenray.engine.formats.gltf import GltfLimits, write_gltf
 
 HERE = Path(__file__).parent
 

@@ -1,6 +1,7 @@
 """C40: lamps in the middle of a closed ball of clear glass, at sensors, in lux maps and in pictures."""
 
 import numpy as np
+
 from lumenray.engine.scene.material import Cauchy, Dielectric
 
 from ..bench import Bench, Finding, Findings

@@ -1,6 +1,7 @@
 """C42 to C44: closed rooms whose mean illuminance follows from the lamp's flux, however hard its light is to find."""
 
 import numpy as np
+
 from lumenray.engine.scene.light import Output, Quantity, SpotLight
 from lumenray.engine.scene.material import Glossy
 from lumenray.engine.scene.spectrum import Constant

@@ -1,6 +1,7 @@
 """Light straight from surfaces that shine: shapes, nearness, size, grazing incidence, thin sources, occluders."""
 
 import numpy as np
+
 from lumenray.engine.scene.light import AreaLight, Output, PointLight, Quantity, SunLight
 
 from ..bench import Bench, Finding, Findings

@@ -1,6 +1,7 @@
 """Flux between a source, an opening and the surfaces of a black room: nothing is lost, nothing comes from nowhere."""
 
 import numpy as np
+
 from lumenray.engine.scene.light import CieSky
 from lumenray.engine.scene.material import Transparent
 

@@ -1,6 +1,7 @@
 """Points of light: inverse square, cosine, flux, spatial quantities, places far from the origin, a thousand sources."""
 
 import numpy as np
+
 from lumenray.engine.luminaires.distribution import flux
 from lumenray.engine.scene.distribution import IntensityDistribution
 from lumenray.engine.scene.light import Luminaire, Output, Quantity, SpotLight

@@ -1,6 +1,7 @@
 """Closed rooms in which light is reflected over and over: cube, spheres, furnaces."""
 
 import numpy as np
+
 from lumenray.engine.scene.light import UniformWorld
 from lumenray.engine.scene.material import Black
 

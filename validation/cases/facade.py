@@ -1,6 +1,7 @@
 """C14 to C17: light of sky and ground through an opening in the facade, without and with glass and obstructions."""
 
 import numpy as np
+
 from lumenray.engine.scene.material import Material
 from lumenray.engine.scene.mesh import Mesh
 from lumenray.engine.sky.cie import sun_direction

@@ -1,6 +1,7 @@
 """C45: a ball of few facets that is shaded smoothly; its lux map holds the light that its facets take in."""
 
 import numpy as np
+
 from lumenray.engine.scene.light import Output, Quantity, SunLight, UniformWorld
 
 from ..bench import Bench, Finding, Findings

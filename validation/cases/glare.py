@@ -1,6 +1,7 @@
 """Unified glare rating of bright panels in a ceiling."""
 
 import numpy as np
+
 from lumenray.engine.analysis.glare import (
     FlatOpenings,
     Observer,

@@ -1,6 +1,7 @@
 """Panes of glass and a sheet that scatters: what passes, at which angle, and of which colour."""
 
 import numpy as np
+
 from lumenray.engine.scene.light import Output, Quantity, SunLight, UniformWorld
 from lumenray.engine.scene.material import Cauchy, Dielectric, Diffuse, TabulatedPane, ThinGlass
 from lumenray.engine.scene.spectrum import Constant, Illuminant

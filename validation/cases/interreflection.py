@@ -1,6 +1,7 @@
 """One reflection, and light from a sky that is reflected in a street, or in a room with a pinhole."""
 
 import numpy as np
+
 from lumenray.engine.scene.light import UniformWorld
 from lumenray.engine.scene.material import Transparent
 

@@ -1,6 +1,7 @@
 """C41: a sun that shines through a small hole into a closed box."""
 
 import numpy as np
+
 from lumenray.engine.scene.light import Output, Quantity, SunLight
 
 from ..bench import Bench, Finding, Findings

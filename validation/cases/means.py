@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.baking.order import BakeOrder
 from lumenray.engine.scene.camera import Camera, Projection

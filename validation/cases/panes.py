@@ -1,6 +1,7 @@
 """C38 and C39: light that goes to and fro between parallel panes, and lamps that are seen in them."""
 
 import numpy as np
+
 from lumenray.engine.scene.light import Output, Quantity, SunLight
 
 from ..bench import Bench, Finding, Findings

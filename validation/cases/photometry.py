@@ -1,6 +1,7 @@
 """Photometric files: planes of types C, B and A, every symmetry, flux, turned luminaires."""
 
 import numpy as np
+
 from lumenray.engine.luminaires.coordinates import FRAMES, angles
 from lumenray.engine.luminaires.distribution import flux, intensity_at
 from lumenray.engine.luminaires.formats.reader import read_luminaire

@@ -1,6 +1,7 @@
 """C37: illuminances under surroundings from a picture."""
 
 import numpy as np
+
 from lumenray.engine.scene.light import ImageWorld
 from lumenray.engine.scene.sensor import SensorKind
 from lumenray.engine.scene.texture import ImageTexture

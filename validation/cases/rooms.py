@@ -3,6 +3,7 @@
 from collections.abc import Iterable, Sequence
 
 import numpy as np
+
 from lumenray.engine.scene.light import CieSky
 from lumenray.engine.scene.material import Material, Surface, ThinGlass, Transparent
 from lumenray.engine.scene.spectrum import Constant

@@ -1,6 +1,7 @@
 """C11: luminances and illuminances of the CIE's sky types."""
 
 import numpy as np
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.camera import Camera, Projection
 from lumenray.engine.scene.light import CieSky

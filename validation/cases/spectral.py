@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 import numpy as np
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.photometry.colour import chromaticity, cie_lab, colour_difference
 from lumenray.engine.photometry.spectra import (

@@ -1,6 +1,7 @@
 """Mirrors: image sources, clipping, repeated reflection, and the reflectance of a dielectric's boundary."""
 
 import numpy as np
+
 from lumenray.engine.scene.material import Cauchy, Dielectric, Glossy
 from lumenray.engine.scene.spectrum import Constant
 

@@ -1,6 +1,7 @@
 """C23 and C29: nine decades of light in one scene, and closed boxes that stay dark."""
 
 import numpy as np
+
 from lumenray.engine.scene.light import Output, Quantity, SunLight, UniformWorld
 
 from .. import stage

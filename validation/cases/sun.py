@@ -1,6 +1,7 @@
 """C25: the sun's disk, its penumbra, and the place of the patch that it throws through an opening."""
 
 import numpy as np
+
 from lumenray.engine.scene.light import Output, Quantity, SunLight
 from lumenray.engine.sky.cie import sun_direction
 

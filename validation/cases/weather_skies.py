@@ -1,6 +1,7 @@
 """C46 to C48: cloudiness, all-weather skies and measured skies, on open sensors and behind the opening of C14."""
 
 import numpy as np
+
 from lumenray.engine.scene.light import CloudySky, PerezSky
 from lumenray.engine.sky.measured import SkyGrid, make_grid_world, make_patch_world
 

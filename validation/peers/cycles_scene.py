@@ -1,6 +1,7 @@
 """Scenes as plain data for `blender_server`, in lumens for watts."""
 
 import numpy as np
+
 from lumenray.engine.luminaires.distribution import flux, intensity
 from lumenray.engine.scene.light import (
     AreaLight,

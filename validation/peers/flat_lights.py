@@ -1,6 +1,7 @@
 """Flat lights as rectangles, which Radiance aims at best, and how near sensors are to them."""
 
 import numpy as np
+
 from lumenray.engine.scene.light import AreaLight, PointLight
 
 from .contents import Contents, Face

@@ -3,6 +3,7 @@
 from dataclasses import dataclass, field
 
 import numpy as np
+
 from lumenray.engine.luminaires.distribution import flux, scaled
 from lumenray.engine.luminaires.formats.lm63.writer import write_lm63
 from lumenray.engine.luminaires.formats.record import LuminaireFile

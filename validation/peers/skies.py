@@ -1,6 +1,7 @@
 """Luminance of skies by formula for the peers, kept apart from the engine's so that a mistake there shows."""
 
 import numpy as np
+
 from lumenray.engine.scene.light import CieSky, CloudySky, FormulaSky, PerezSky
 
 from ..sky_formulas import HORIZON, perez_letters

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lumenray.engine.accuracy.extremes import Extreme
 from lumenray.engine.accuracy.history import History
 from lumenray.engine.baking.order import AtlasPage, BakeResult, Layout, LuxMap, Seams

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+
 from lumenray.engine.accuracy.history import History, Mark
 from lumenray.engine.baking.order import BakeResult, Seams
 

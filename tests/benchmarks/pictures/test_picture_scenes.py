@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lumenray.engine.photometry.colour import REC709_LUMINANCE
 
 pytestmark = pytest.mark.mitsuba

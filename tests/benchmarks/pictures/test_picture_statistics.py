@@ -5,6 +5,7 @@ import zlib
 
 import numpy as np
 import pytest
+
 from lumenray.benchmarks.pictures.programs import Made
 from lumenray.benchmarks.pictures.race import race, reach
 from lumenray.benchmarks.pictures.statistics import (

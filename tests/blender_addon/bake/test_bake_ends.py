@@ -3,12 +3,14 @@
 from dataclasses import replace
 
 import bpy
-import lumenray
 import numpy as np
 import pytest
 from blender_bakes import baked, wait_for
 from blender_objects import add_quad
 from fake_bakes import SlowSession
+from panels import context, draw, interface
+
+import lumenray
 from lumenray.blender_addon.bake import folders as bake_folders
 from lumenray.blender_addon.bake import job as bake
 from lumenray.blender_addon.bake import running as running_bake
@@ -17,7 +19,6 @@ from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.errors import Cancelled
 from lumenray.engine.session import Session
 from lumenray.tools.libraries.scenes import tiny
-from panels import context, draw, interface
 
 pytestmark = pytest.mark.usefixtures("extension")
 

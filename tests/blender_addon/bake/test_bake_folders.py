@@ -6,8 +6,9 @@ import bpy
 import pytest
 from blender_bakes import bake_all, baked
 from blender_objects import add_quad
-from lumenray.blender_addon.bake import folders as bake_folders
 from panels import context, draw, interface
+
+from lumenray.blender_addon.bake import folders as bake_folders
 
 pytestmark = pytest.mark.usefixtures("extension")
 

@@ -4,6 +4,7 @@ import bpy
 import pytest
 from blender_bakes import bake_all
 from blender_objects import add_quad
+
 from lumenray.blender_addon.bake import folders as bake_folders
 
 pytestmark = pytest.mark.usefixtures("extension")

@@ -6,6 +6,7 @@ import pytest
 from blender_bakes import add_lamp, bake_all
 from blender_objects import add_quad, pixels_of
 from fake_bakes import ERROR, lay_out, make_map, make_page, make_result
+
 from lumenray.blender_addon.bake import images as baked_images
 from lumenray.blender_addon.bake import uv_maps as baked_layout
 from lumenray.blender_addon.foundation.report import ConversionReport

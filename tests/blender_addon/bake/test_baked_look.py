@@ -9,6 +9,7 @@ from blender_bakes import add_lamp, bake_all
 from blender_objects import add_quad, new_material, pixels_of
 from conversion import scene_hash
 from fake_bakes import illuminance_at, share_of, with_back
+
 from lumenray.blender_addon.bake import look as baked_look
 from lumenray.blender_addon.bake.nodes import PLACE
 from lumenray.blender_addon.foundation import engine_process

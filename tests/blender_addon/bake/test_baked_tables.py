@@ -6,10 +6,11 @@ import pytest
 from blender_bakes import add_lamp, bake_all, baked
 from blender_objects import add_quad
 from conversion import scene_hash
+from panels import context, draw, interface
+
 from lumenray.blender_addon.bake import look as baked_look
 from lumenray.blender_addon.bake import results as baked_results
 from lumenray.blender_addon.sync.scene import convert_scene
-from panels import context, draw, interface
 
 pytestmark = pytest.mark.usefixtures("extension")
 

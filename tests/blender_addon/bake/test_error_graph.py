@@ -1,8 +1,9 @@
 """The graph of errors as an icon."""
 
 from fake_bakes import make_page, make_result
-from lumenray.blender_addon.bake.error_graph import ErrorGraph
 from panels import finish_pictures
+
+from lumenray.blender_addon.bake.error_graph import ErrorGraph
 
 
 def test_the_graph_is_drawn_once_for_a_history():

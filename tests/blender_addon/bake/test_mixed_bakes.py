@@ -2,6 +2,7 @@
 
 import bpy
 import pytest
+
 from lumenray.blender_addon.bake import mixing
 from lumenray.engine.errors import SceneError
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from blender_skies import new_sky
+
 from lumenray.blender_addon.daylight.arc import (
     compass,
     find_nearest_time,

@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 from blender_skies import add_sun, new_sky
 from kept_scenes import KeptScene
+from rendered_frames import note_frames
+
 from lumenray.blender_addon.daylight import following
 from lumenray.blender_addon.daylight.moment import find_moment
 from lumenray.blender_addon.daylight.readout import describe_sun
@@ -15,7 +17,6 @@ from lumenray.engine.photometry.light_colour import light_colour
 from lumenray.engine.scene.light import Quantity, SunLight
 from lumenray.engine.sky.air import standard_air
 from lumenray.engine.sky.sunlight import direct_illuminance, sunlight_spectrum
-from rendered_frames import note_frames
 
 
 @pytest.fixture

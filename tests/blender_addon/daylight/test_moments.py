@@ -7,6 +7,7 @@ import bpy
 import numpy as np
 import pytest
 from blender_skies import new_sky
+
 from lumenray.blender_addon.daylight.moment import find_moment, frame_of, state_moment
 from lumenray.blender_addon.daylight.readout import describe_moment, describe_place
 from lumenray.engine.errors import SceneError

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from types import SimpleNamespace
 
 import pytest
+
 from lumenray.blender_addon.file_assets import shelf as shelves
 from lumenray.blender_addon.file_assets.kind import FileKind, NoFileError, NotReadyError
 from lumenray.blender_addon.file_assets.pictures import side_of

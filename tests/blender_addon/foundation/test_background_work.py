@@ -4,6 +4,7 @@ import threading
 import types
 
 import pytest
+
 from lumenray.blender_addon.foundation.background_work import BackgroundJob
 from lumenray.engine.errors import Cancelled, SceneError
 

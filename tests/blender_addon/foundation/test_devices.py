@@ -9,6 +9,7 @@ from dataclasses import astuple
 
 import bpy
 import pytest
+
 from lumenray import operators
 from lumenray.blender_addon import feedback, preferences, registry
 from lumenray.blender_addon.foundation import (

@@ -12,11 +12,12 @@ from contextlib import contextmanager
 import bpy
 import numpy as np
 import pytest
+from workers import is_running, shared_memory, wait_for
+
 from lumenray import operators
 from lumenray.blender_addon import registry as registry_module
 from lumenray.blender_addon.foundation import engine_process
 from lumenray.tools.libraries.scenes import tiny
-from workers import is_running, shared_memory, wait_for
 
 pytestmark = [
     pytest.mark.blender,

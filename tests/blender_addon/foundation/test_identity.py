@@ -2,6 +2,7 @@
 
 import bpy
 import pytest
+
 from lumenray.blender_addon.foundation import identity
 from lumenray.blender_addon.sync.scene_sync import SceneSync
 

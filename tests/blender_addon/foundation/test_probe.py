@@ -1,6 +1,7 @@
 """The question to the engine whether it can work, in a process of its own."""
 
 import pytest
+
 from lumenray.blender_addon.foundation import probe
 
 

@@ -5,10 +5,11 @@ import json
 import bpy
 import pytest
 from blender_luminaires import add_luminaire
+from photometric_files import FULL_FLUX
+
 from lumenray.blender_addon.luminaires.fittings import find_fittings
 from lumenray.blender_addon.luminaires.settings import settings_of
 from lumenray.command_line import main as command_line
-from photometric_files import FULL_FLUX
 
 pytestmark = pytest.mark.usefixtures("extension")
 

@@ -6,6 +6,7 @@ import pytest
 from blender_bakes import add_lamp
 from eulumdat_files import as_bytes, parsed, small
 from kept_scenes import KeptScene
+
 from lumenray.blender_addon.luminaires import housing
 from lumenray.blender_addon.luminaires.settings import settings_of
 from lumenray.engine.accuracy.stopping import StopRule

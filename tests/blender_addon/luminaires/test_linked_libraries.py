@@ -4,9 +4,10 @@ import bpy
 import pytest
 from blender_luminaires import activate, add_luminaire
 from conversion import converted_light
+from photometric_files import EVEN, FULL_FLUX
+
 from lumenray.blender_addon.foundation.report import Severity
 from lumenray.blender_addon.luminaires.settings import settings_of
-from photometric_files import EVEN, FULL_FLUX
 
 pytestmark = pytest.mark.usefixtures("extension")
 

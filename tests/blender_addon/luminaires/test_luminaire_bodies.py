@@ -3,6 +3,7 @@
 import bpy
 import numpy as np
 import pytest
+
 from lumenray.blender_addon.luminaires import body
 
 pytestmark = pytest.mark.usefixtures("extension")
@@ -27,6 +28,7 @@ def test_bodies_have_the_size_of_the_housing_in_the_scenes_unit(write_photometry
 )
 def test_bodies_are_closed_and_face_outwards(shape, size, axis, area):
     import bmesh
+
     from lumenray.engine.scene.distribution import Opening
 
     class Plain:

@@ -8,13 +8,14 @@ import numpy as np
 import pytest
 from blender_luminaires import activate, add_luminaire, candelas
 from conversion import converted_light
+from photometric_files import EVEN, FOUR, FULL_FLUX, SIDEWAYS, write_ies
+
 from lumenray.blender_addon.foundation.report import ConversionReport, Severity
 from lumenray.blender_addon.luminaires.files import photometric_files
 from lumenray.blender_addon.luminaires.settings import settings_of
 from lumenray.blender_addon.sync.scene_sync import SceneSync
 from lumenray.engine.errors import LumenrayError
 from lumenray.engine.scene.light import Quantity
-from photometric_files import EVEN, FOUR, FULL_FLUX, SIDEWAYS, write_ies
 
 pytestmark = pytest.mark.usefixtures("extension")
 

@@ -6,13 +6,14 @@ import bpy
 import numpy as np
 import pytest
 from blender_luminaires import farthest, shown_places
+from mathutils import Euler, Matrix
+from photometric_files import write_peaks
+
 from lumenray.blender_addon.foundation.report import ConversionReport
 from lumenray.blender_addon.luminaires import places as luminaire_places
 from lumenray.blender_addon.luminaires.solid import make_solid
 from lumenray.blender_addon.sync.lights.lights import convert_light
 from lumenray.engine.luminaires.distribution import intensity
-from mathutils import Euler, Matrix
-from photometric_files import write_peaks
 
 
 def perspective(near=0.1, far=1000.0):

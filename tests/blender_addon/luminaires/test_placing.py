@@ -5,8 +5,9 @@ from types import SimpleNamespace
 import bpy
 import numpy as np
 import pytest
-from lumenray.blender_addon.luminaires import placing
 from mathutils import Matrix
+
+from lumenray.blender_addon.luminaires import placing
 
 pytestmark = pytest.mark.usefixtures("extension")
 

@@ -5,11 +5,12 @@ import threading
 import bpy
 import numpy as np
 import pytest
+from panels import finish_pictures
+from photometric_files import write_peaks
+
 from lumenray.blender_addon.file_assets.pictures import Pictures
 from lumenray.blender_addon.luminaires import preview as luminaire_pictures
 from lumenray.blender_addon.luminaires.files import photometric_files
-from panels import finish_pictures
-from photometric_files import write_peaks
 
 
 def test_diagram_is_drawn_once_for_every_content(new_luminaire, monkeypatch):

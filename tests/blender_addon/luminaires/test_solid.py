@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from blender_luminaires import farthest
+
 from lumenray.blender_addon.luminaires.solid import make_curve, make_outline, make_solid
 from lumenray.engine.luminaires.coordinates import FRAMES
 from lumenray.engine.luminaires.distribution import intensity

@@ -3,6 +3,7 @@
 import bpy
 import pytest
 from kept_scenes import KeptScene
+
 from lumenray.blender_addon.modelling.settings import CHOICES, SWITCHES
 from lumenray.blender_addon.modelling.wishes import read_wishes, wishing, write_wishes
 from lumenray.engine.requirements.plan import DECISIONS

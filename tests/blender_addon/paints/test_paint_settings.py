@@ -7,6 +7,8 @@ from types import SimpleNamespace
 import bpy
 import numpy as np
 import pytest
+from panels import context, draw, finish_pictures, interface
+
 from lumenray.blender_addon.file_assets.pictures import Pictures
 from lumenray.blender_addon.foundation.report import ConversionReport
 from lumenray.blender_addon.paints import presets, preview, readout, tables
@@ -17,7 +19,6 @@ from lumenray.engine.paint.reader import parse_paint
 from lumenray.engine.scene.material import Diffuse, Measured
 from lumenray.engine.session import Session
 from lumenray.libraries import paints
-from panels import context, draw, finish_pictures, interface
 
 # Everything that settings edit, and much that they do not.
 CONTENT = {

@@ -3,6 +3,10 @@
 import bpy
 import numpy as np
 import pytest
+from mathutils import Euler
+from panels import context, draw, interface
+from ray_files import zemax
+
 from lumenray.benchmarks.raysets.sources import disk, even_numbers
 from lumenray.blender_addon.foundation.report import ConversionReport, Severity
 from lumenray.blender_addon.raysets import cloud_drawing
@@ -20,9 +24,6 @@ from lumenray.engine.scene.spectrum import Blackbody, Illuminant, Rgb, Tabulated
 from lumenray.engine.session import Session
 from lumenray.libraries.raysets import PREFIX
 from lumenray.libraries.raysets.catalogue import ENTRIES
-from mathutils import Euler
-from panels import context, draw, interface
-from ray_files import zemax
 
 FLUX, COUNT = 12.0, 1500
 

@@ -2,6 +2,7 @@
 
 import bpy
 import pytest
+
 from lumenray.blender_addon.rendering.animation import Frames, FrameTimes
 from lumenray.engine.accuracy.stopping import Progress
 from lumenray.tools.libraries.scenes import tiny

@@ -5,6 +5,8 @@ import os
 import bpy
 import numpy as np
 import pytest
+from random_edits import RandomEdits
+
 from lumenray.blender_addon.rendering.feed import SceneFeed
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.camera import Camera, Projection
@@ -12,7 +14,6 @@ from lumenray.engine.scene.light import Output, Quantity, SunLight
 from lumenray.engine.scene.scene import SceneDelta
 from lumenray.engine.session import Session
 from lumenray.engine.views import Display, LiveSettings, ViewSettings
-from random_edits import RandomEdits
 
 pytestmark = [pytest.mark.blender, pytest.mark.mitsuba]
 

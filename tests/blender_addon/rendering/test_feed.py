@@ -2,6 +2,7 @@
 
 import bpy
 import pytest
+
 from lumenray.blender_addon.foundation.identity import engine_id, ensure_ids
 from lumenray.blender_addon.rendering.feed import SceneFeed
 from lumenray.engine.scene.light import Output, Quantity

@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 from blender_bakes import add_lamp
 from blender_objects import add_camera
+from panels import context, draw
+
 from lumenray.blender_addon.rendering import light_mix, viewport
 from lumenray.blender_addon.rendering.viewport import display_of, live_settings
 from lumenray.blender_addon.sync.scene import convert_scene
 from lumenray.engine.light_mix import Level
 from lumenray.tools.libraries.scenes import tiny
-from panels import context, draw
 
 pytestmark = pytest.mark.usefixtures("extension")
 

@@ -4,6 +4,7 @@ import bpy
 import numpy as np
 import pytest
 from kept_readings import LUX, NOISE, measure, new_room, set_sliders
+
 from lumenray.blender_addon.rendering import lighting_scenes
 from lumenray.blender_addon.sensors import scene_verdicts
 from lumenray.blender_addon.sensors.readings import readings_of

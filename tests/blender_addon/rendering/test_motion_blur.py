@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 import pytest
 from blender_objects import add_camera, add_quad, new_material
+
 from lumenray.blender_addon.rendering.render_engine import LumenrayRenderEngine
 from lumenray.blender_addon.rendering.shutter import shutter_of
 from lumenray.blender_addon.sync.scene_sync import SceneSync

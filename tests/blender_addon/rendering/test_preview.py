@@ -6,6 +6,7 @@ from types import SimpleNamespace
 import bpy
 import numpy as np
 import pytest
+
 from lumenray.blender_addon.foundation import engine_process, identity
 from lumenray.blender_addon.rendering import preview
 from lumenray.blender_addon.sync.scene_sync import SceneSync

@@ -10,13 +10,14 @@ import numpy as np
 import pytest
 from blender_objects import add_camera
 from conversion import converted_scene
+from panels import Layout, context
+
 from lumenray.blender_addon.assumptions import ASSUMED
 from lumenray.command_line import main as command_line
 from lumenray.engine.analysis.denoiser import find_denoiser
 from lumenray.engine.scene.camera import Projection
 from lumenray.tools.libraries.scenes import tiny
 from lumenray.ui import image_header
-from panels import Layout, context
 
 pytestmark = pytest.mark.usefixtures("extension")
 

@@ -5,6 +5,9 @@ import json
 import bpy
 import pytest
 from kept_readings import measure, new_room, set_sliders
+from panels import context, draw
+from photometric_files import EVEN
+
 from lumenray.blender_addon.rendering import lighting_scenes
 from lumenray.blender_addon.reporting import gathering
 from lumenray.blender_addon.sensors.readings import readings_of
@@ -13,8 +16,6 @@ from lumenray.engine.errors import SceneError
 from lumenray.engine.judgement.verdict import State
 from lumenray.engine.reporting.composition import compose
 from lumenray.engine.reporting.html_file import to_html
-from panels import context, draw
-from photometric_files import EVEN
 
 pytestmark = pytest.mark.usefixtures("extension")
 

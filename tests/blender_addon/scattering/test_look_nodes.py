@@ -6,11 +6,12 @@ import bpy
 import numpy as np
 import pytest
 from blender_scattering import add_paint
+from scattering_models import ggx, lambert, schlick
+
 from lumenray.blender_addon.scattering import look_nodes
 from lumenray.blender_addon.scattering.files import scattering_files
 from lumenray.engine.scattering.data.resampling import resample
 from lumenray.engine.scattering.look import Look
-from scattering_models import ggx, lambert, schlick
 
 pytestmark = pytest.mark.usefixtures("extension")
 

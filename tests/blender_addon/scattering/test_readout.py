@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from blender_scattering import add_paint, matt
+
 from lumenray.blender_addon.scattering import readout as scattering_readout
 from lumenray.blender_addon.scattering.files import scattering_files
 

@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 from blender_scattering import INCIDENCES, add_paint, matt
 from conversion import converted_material, error_messages
+from scattering_models import lambert
+
 from lumenray.blender_addon.file_assets.places import digest_of
 from lumenray.blender_addon.scattering.files import scattering_files
 from lumenray.engine.errors import FileFormatError
@@ -15,7 +17,6 @@ from lumenray.engine.scattering.data.resampling import resample
 from lumenray.engine.scattering.readers import reader
 from lumenray.engine.scene.material import Diffuse, Measured
 from lumenray.engine.scene.spectrum import Constant
-from scattering_models import lambert
 
 pytestmark = pytest.mark.usefixtures("extension")
 

@@ -6,6 +6,9 @@ import pytest
 from blender_bakes import add_lamp
 from blender_luminaires import add_luminaire
 from blender_objects import add_quad, new_material
+from mathutils import Matrix
+from photometric_files import write_peaks
+
 from lumenray.blender_addon.sensors import adding, asked, drawing, files, pictures, results, words
 from lumenray.blender_addon.sensors.goniometers import error_of, measured_of
 from lumenray.blender_addon.sensors.places import place_sensors, signature_of
@@ -15,8 +18,6 @@ from lumenray.engine.light_mix import NEUTRAL
 from lumenray.engine.luminaires.coordinates import directions
 from lumenray.engine.luminaires.distribution import flux, intensity
 from lumenray.engine.luminaires.formats.reader import read_luminaire
-from mathutils import Matrix
-from photometric_files import write_peaks
 
 pytestmark = pytest.mark.usefixtures("extension")
 

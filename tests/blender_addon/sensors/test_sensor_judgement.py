@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 import pytest
 from blender_bakes import add_lamp
+
 from lumenray.blender_addon.rendering import light_mix, lighting_scenes
 from lumenray.blender_addon.sensors import asked, drawing, files, judging, results, verdicts, words
 from lumenray.blender_addon.sensors import job as sensor_job

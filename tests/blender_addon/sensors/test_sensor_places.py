@@ -4,12 +4,13 @@ import bpy
 import numpy as np
 import pytest
 from blender_objects import add_cube, add_quad
+from mathutils import Matrix
+
 from lumenray.blender_addon.foundation.identity import identity_of
 from lumenray.blender_addon.sensors import adding
 from lumenray.blender_addon.sensors.places import place_sensors, signature_of
 from lumenray.blender_addon.sensors.settings import find_sensors
 from lumenray.engine.errors import SceneError
-from mathutils import Matrix
 
 pytestmark = pytest.mark.usefixtures("extension")
 

@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 from blender_bakes import add_lamp
 from blender_objects import add_quad, new_paint
+from mathutils import Matrix
+
 from lumenray.blender_addon.sensors import asked, drawing, files, pictures, results, words
 from lumenray.blender_addon.sensors.readings import read_readings, readings_of, write_readings
 from lumenray.blender_addon.sensors.settings import find_sensors
@@ -14,7 +16,6 @@ from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.errors import SceneError
 from lumenray.engine.light_mix import Level, LightMix
 from lumenray.engine.scene.provenance import Provenance
-from mathutils import Matrix
 
 pytestmark = pytest.mark.usefixtures("extension")
 

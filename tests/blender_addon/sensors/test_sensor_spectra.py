@@ -6,6 +6,7 @@ import bpy
 import numpy as np
 import pytest
 from blender_bakes import add_lamp
+
 from lumenray.blender_addon.sensors import asked, files, judging, results, words
 from lumenray.blender_addon.sensors.places import signature_of
 from lumenray.blender_addon.sensors.readings import read_readings, readings_of, write_readings

@@ -22,9 +22,10 @@ def session():
 @pytest.fixture
 def convert():
     """Return a function that converts a material and gives the result and the rows as text."""
+    from material_trees import EFFICACY
+
     from lumenray.blender_addon.foundation.report import ConversionReport
     from lumenray.blender_addon.sync.materials.materials import convert_material
-    from material_trees import EFFICACY
 
     def run(material):
         report = ConversionReport()

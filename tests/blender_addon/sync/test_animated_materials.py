@@ -2,9 +2,10 @@
 
 import bpy
 import pytest
+from rendered_frames import note_frames
+
 from lumenray.blender_addon.sync.scene_sync import SceneSync
 from lumenray.engine.scene.scene import Scene
-from rendered_frames import note_frames
 
 pytestmark = pytest.mark.blender
 

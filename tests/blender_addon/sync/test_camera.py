@@ -6,6 +6,7 @@ import bpy
 import numpy as np
 import pytest
 from blender_objects import add_camera
+
 from lumenray.blender_addon.foundation.report import ConversionReport
 from lumenray.blender_addon.rendering.view_camera import camera_of_matrices, part_of_region
 from lumenray.blender_addon.sync.camera import FilmPart, convert_camera, panorama_of

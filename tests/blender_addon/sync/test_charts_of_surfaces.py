@@ -5,11 +5,12 @@ import numpy as np
 import pytest
 from conversion import converted_scene
 from kept_scenes import KeptScene
+from material_trees import new_tree, output_of
+from seen_surfaces import see, see_by_cycles
+
 from lumenray.engine.scene.material import Blend, Dielectric, Varnish
 from lumenray.engine.scene.mesh import CHART_MAP
 from lumenray.engine.scene.spectrum import Constant
-from material_trees import new_tree, output_of
-from seen_surfaces import see, see_by_cycles
 
 pytestmark = pytest.mark.usefixtures("extension")
 

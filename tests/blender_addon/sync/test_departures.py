@@ -6,6 +6,7 @@ The lists are those of Blender itself, so that a setting that a new version brin
 import bpy
 import pytest
 from conversion import converted_scene
+
 from lumenray.blender_addon.sync import departures
 
 pytestmark = pytest.mark.blender

@@ -4,9 +4,10 @@ import bpy
 import numpy as np
 import pytest
 from kept_scenes import KeptScene
+from material_trees import add_image, new_tree
+
 from lumenray.blender_addon.sync.scene_sync import SceneSync
 from lumenray.engine.scene.mesh import Geometry, Placement
-from material_trees import add_image, new_tree
 
 pytestmark = pytest.mark.blender
 

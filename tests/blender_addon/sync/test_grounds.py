@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from blender_objects import new_world
 from conversion import converted_scene, messages_of
+
 from lumenray.blender_addon.sync.scene_sync import SceneSync
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.light import Ground, UniformWorld

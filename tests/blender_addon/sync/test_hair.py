@@ -5,9 +5,10 @@ import numpy as np
 import pytest
 from blender_objects import add_quad, new_paint
 from conversion import converted_scene
+from rendered_frames import note_frames
+
 from lumenray.blender_addon.sync.scene_sync import SceneSync
 from lumenray.engine.scene.mesh import Geometry, Placement
-from rendered_frames import note_frames
 
 pytestmark = pytest.mark.blender
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from blender_objects import add_light, new_world
 from conversion import converted_scene
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.light import UniformWorld
 from lumenray.engine.scene.mesh import Placement

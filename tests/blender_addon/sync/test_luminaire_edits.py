@@ -5,12 +5,13 @@ import numpy as np
 import pytest
 from blender_luminaires import add_luminaire
 from kept_scenes import KeptScene
+from photometric_files import EVEN, FOUR, FULL_FLUX
+
 from lumenray.blender_addon.luminaires.files import photometric_files
 from lumenray.blender_addon.luminaires.settings import settings_of
 from lumenray.engine.scene.light import Luminaire
 from lumenray.engine.scene.mesh import Placement
 from lumenray.engine.scene.scene import content_digest
-from photometric_files import EVEN, FOUR, FULL_FLUX
 
 pytestmark = pytest.mark.usefixtures("extension")
 

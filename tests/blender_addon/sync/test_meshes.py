@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from blender_objects import add_cube
 from conversion import converted_scene
+
 from lumenray.engine.scene.scene import Scene
 
 pytestmark = pytest.mark.usefixtures("extension")

@@ -4,13 +4,14 @@ import bpy
 import numpy as np
 import pytest
 from kept_scenes import KeptScene
+from material_trees import new_tree, output_of
+from seen_surfaces import see, see_by_cycles
+
 from lumenray.blender_addon.sync.nodes.fields import LUMINANCE
 from lumenray.blender_addon.sync.tables import materials
 from lumenray.engine.scene.material import Raised
 from lumenray.engine.scene.mesh import CHART_MAP
 from lumenray.engine.scene.relief import Axes
-from material_trees import new_tree, output_of
-from seen_surfaces import see, see_by_cycles
 
 pytestmark = pytest.mark.usefixtures("extension")
 

@@ -6,13 +6,14 @@ import bpy
 import numpy as np
 import pytest
 from conversion import converted_scene
+from picture_worlds import image_of, show
+
 from lumenray.benchmarks.environment.drawn_maps import Spot, make_map
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.light import ImageWorld, SunLight
 from lumenray.engine.scene.texture import Pixels
 from lumenray.engine.session import Session
 from lumenray.engine.sky.picture import find_illuminance
-from picture_worlds import image_of, show
 
 UP = np.array([0.0, 0.0, 1.0])
 

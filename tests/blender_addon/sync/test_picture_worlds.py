@@ -7,14 +7,15 @@ import numpy as np
 import pytest
 from blender_objects import needs_cycles
 from conversion import converted_scene
+from mathutils import Vector
+from picture_worlds import image_of, show
+from radiance_files import XYZE, write_picture
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.light import ImageWorld
 from lumenray.engine.scene.texture import ImageTexture
 from lumenray.engine.session import Session
 from lumenray.engine.sky.picture import find_illuminance
-from mathutils import Vector
-from picture_worlds import image_of, show
-from radiance_files import XYZE, write_picture
 
 REC709 = np.array([0.2126, 0.7152, 0.0722])
 

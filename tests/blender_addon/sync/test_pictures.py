@@ -6,6 +6,8 @@ import bpy
 import numpy as np
 import pytest
 from kept_scenes import KeptScene, differences
+from random_edits import remember
+
 from lumenray.blender_addon.sync.images import cache as image_cache
 from lumenray.blender_addon.sync.scene import convert_scene
 from lumenray.blender_addon.sync.scene_sync import SceneSync
@@ -13,7 +15,6 @@ from lumenray.blender_addon.sync.step import split
 from lumenray.engine.scene.light import ImageWorld
 from lumenray.engine.scene.scene import Scene
 from lumenray.engine.scene.texture import Pixels
-from random_edits import remember
 
 SIZE = 160
 

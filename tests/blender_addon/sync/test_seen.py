@@ -3,6 +3,7 @@
 import bpy
 import pytest
 from conversion import converted_scene
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.material import Black, Diffuse, Holdout, Mix, Transparent
 from lumenray.engine.session import Session, ViewSettings

@@ -8,6 +8,8 @@ import pytest
 from blender_skies import add_sun, compass, measure_sky, new_sky, rotation_of
 from conversion import converted_scene
 from kept_scenes import KeptScene
+from weather_files import epw, epw_record
+
 from lumenray.blender_addon.daylight import following
 from lumenray.blender_addon.daylight.moment import find_moment
 from lumenray.blender_addon.daylight.readout import describe_sky
@@ -21,7 +23,6 @@ from lumenray.engine.scene.spectrum import Daylight
 from lumenray.engine.sky import clear_sky
 from lumenray.engine.sky.measured import find_patches, horizontal_weights
 from lumenray.engine.sky.skies import find_luminances, zenith_luminance
-from weather_files import epw, epw_record
 
 
 @pytest.fixture

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from blender_objects import needs_cycles
 from conversion import converted_scene, measure_light
+
 from lumenray.blender_addon.light_groups import find_groups
 from lumenray.blender_addon.sync import world as world_module
 from lumenray.blender_addon.sync.scene_sync import SceneSync

@@ -2,6 +2,7 @@
 
 import pytest
 from conversion import rgb_of
+
 from lumenray.blender_addon.foundation.report import ConversionReport
 from lumenray.blender_addon.sync.materials.materials import convert_material
 from lumenray.blender_addon.sync.spectra import convert_spectrum, light_spectrum

@@ -2,12 +2,13 @@
 
 import numpy as np
 import pytest
+from small_scenes import paint, session_of
+
 from lumenray.blender_addon.sync import strands as made_of
 from lumenray.blender_addon.sync.strands import Strands, balls, smoothed, tubes, usable
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.light import Output, Quantity, SunLight
 from lumenray.engine.scene.mesh import Mesh
-from small_scenes import paint, session_of
 
 RADIUS, LENGTH = 0.02, 1.5
 

@@ -6,6 +6,8 @@ import bpy
 import numpy as np
 import pytest
 from kept_scenes import KeptScene, differences
+from random_edits import RandomEdits, remember
+
 from lumenray.blender_addon.sync.scene import convert_scene
 from lumenray.blender_addon.sync.scene_sync import SceneSync
 from lumenray.blender_addon.sync.step import array_bytes, split
@@ -13,7 +15,6 @@ from lumenray.engine.scene.light import SpotLight
 from lumenray.engine.scene.material import Material
 from lumenray.engine.scene.mesh import Geometry, Placement
 from lumenray.engine.scene.scene import Scene
-from random_edits import RandomEdits, remember
 
 SEEDS = range(20 if os.environ.get("LUMENRAY_ALL_SEEDS") else 2)
 """Seeds of the random edits; set LUMENRAY_ALL_SEEDS for all twenty."""

@@ -4,6 +4,7 @@ import bpy
 import numpy as np
 import pytest
 from conversion import converted_scene
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.session import Session, ViewSettings
 from lumenray.tools.libraries.scenes import tiny

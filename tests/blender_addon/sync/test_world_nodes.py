@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from blender_objects import needs_cycles
 from conversion import converted_scene
+
 from lumenray.blender_addon.sync import world as world_module
 from lumenray.blender_addon.sync.nodes.directions import directions, sample_picture
 from lumenray.engine.scene.light import ImageWorld, UniformWorld

@@ -8,12 +8,13 @@ import pytest
 from blender_skies import add_sun, compass, measure_sky, rotation_of
 from conversion import converted_scene
 from kept_scenes import KeptScene
+from random_edits import remember
+from rendered_frames import note_frames
+
 from lumenray.blender_addon.sync.scene_sync import SceneSync
 from lumenray.engine.scene.light import CieSky, UniformWorld
 from lumenray.engine.scene.scene import Scene
 from lumenray.engine.scene.spectrum import Daylight
-from random_edits import remember
-from rendered_frames import note_frames
 
 SIDES = {"north": (0, 1, 0), "east": (1, 0, 0), "south": (0, -1, 0), "west": (-1, 0, 0)}
 """Where upright sensors look."""

@@ -6,6 +6,8 @@ import bpy
 import numpy as np
 import pytest
 from blend_assets import catalogues, opened_assets
+from PIL import Image
+
 from lumenray.blender_addon.luminaires.files import photometric_files
 from lumenray.blender_addon.sync.scene import convert_scene
 from lumenray.command_line.asset_library import build
@@ -17,7 +19,6 @@ from lumenray.engine.scene.light import Luminaire
 from lumenray.engine.scene.spectrum import Blackbody, Illuminant
 from lumenray.libraries import luminaires
 from lumenray.libraries.luminaires.model import MOUNTS
-from PIL import Image
 
 pytestmark = pytest.mark.usefixtures("empty_file")
 

@@ -7,6 +7,8 @@ import bpy
 import numpy as np
 import pytest
 from blend_assets import catalogues, opened_assets
+from PIL import Image
+
 from lumenray.blender_addon.scattering.files import scattering_files
 from lumenray.blender_addon.sync.scene import convert_scene
 from lumenray.command_line.asset_library import material_assets
@@ -22,7 +24,6 @@ from lumenray.command_line.main import main
 from lumenray.engine.scene.material import Conductor, Dielectric, Material, Measured, ThinGlass
 from lumenray.libraries import materials
 from lumenray.libraries.materials.catalogue import SETTINGS
-from PIL import Image
 
 pytestmark = pytest.mark.usefixtures("empty_file")
 

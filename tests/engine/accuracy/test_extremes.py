@@ -5,9 +5,10 @@ import math
 import numpy as np
 import pytest
 from baking_rooms import bake, furnished_room, lamp, moved
+from small_scenes import paint
+
 from lumenray.engine.accuracy.extremes import Halves, divide, find_largest, find_least, part_by_mean
 from lumenray.engine.accuracy.replicates import ReplicateSums
-from small_scenes import paint
 
 PASSES = 8
 SIDE = 48

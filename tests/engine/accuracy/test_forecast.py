@@ -2,6 +2,7 @@ import math
 
 import numpy as np
 import pytest
+
 from lumenray.engine.accuracy.forecast import Forecaster
 from lumenray.engine.accuracy.replicates import ReplicateSums
 from lumenray.engine.accuracy.stopping import Clock, Progress, StopRule

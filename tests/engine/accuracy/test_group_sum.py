@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lumenray.engine.accuracy.group_sum import GroupSum
 
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lumenray.engine.accuracy.lost_samples import find_missing, tell_lost
 
 

@@ -1,9 +1,10 @@
 import numpy as np
 import pytest
+from scipy import stats
+
 from lumenray.engine.accuracy.replicates import ReplicateSums
 from lumenray.engine.accuracy.student import t_quantile
 from lumenray.engine.errors import SceneError
-from scipy import stats
 
 
 def summed(replicates, weights):

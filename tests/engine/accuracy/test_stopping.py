@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lumenray.engine.accuracy.estimate import Estimate
 from lumenray.engine.accuracy.stopping import Clock, StopRule, format_seconds
 from lumenray.engine.errors import SceneError

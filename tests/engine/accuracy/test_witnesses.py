@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+
 from lumenray.engine.accuracy.estimate import Accumulator
 from lumenray.engine.accuracy.tails import tail_factor
 from lumenray.engine.accuracy.witnesses import batch_error, compare

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lumenray.engine.analysis import false_colour
 from lumenray.engine.analysis.colour_scale import ColourScale, nice_scale
 

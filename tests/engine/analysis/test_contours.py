@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lumenray.engine.analysis.contours import choose_levels, find_contours, place_label
 
 HEIGHT = 2.5

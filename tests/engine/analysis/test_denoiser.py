@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+
 from lumenray.engine.analysis import denoiser
 from lumenray.engine.analysis.block_means import BLOCK, block_means, keep_means
 from lumenray.engine.analysis.looking import filter_noise

@@ -3,6 +3,8 @@ import math
 
 import numpy as np
 import pytest
+from PIL import Image, ImageColor
+
 from lumenray.engine.accuracy.history import History, Mark
 from lumenray.engine.analysis.error_graph import (
     DARK,
@@ -14,7 +16,6 @@ from lumenray.engine.analysis.error_graph import (
     to_rows,
 )
 from lumenray.engine.errors import FileFormatError
-from PIL import Image, ImageColor
 
 SETUP = 2.0
 

@@ -1,6 +1,7 @@
 """What the pen writes: only letters that its font has."""
 
 import pytest
+
 from lumenray.engine.analysis.canvas import open_chart
 from lumenray.engine.analysis.letters import plain_letters
 from lumenray.libraries.cities.catalogue import shipped_cities

@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from small_scenes import box, quad, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.analysis.glare import (
     FlatOpenings,
@@ -18,7 +20,6 @@ from lumenray.engine.formats.luminance_picture import view_of_camera
 from lumenray.engine.scene.material import Diffuse, Emission, Material
 from lumenray.engine.scene.spectrum import Constant
 from lumenray.engine.views import ViewSettings
-from small_scenes import box, quad, session_of
 
 EYE, AHEAD = np.array([0.0, 0.0, 1.2]), np.array([0.0, 1.0, 0.0])
 

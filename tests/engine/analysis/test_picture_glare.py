@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from glare_pictures import evalglare, picture_of, view_of, write_radiance
+
 from lumenray.engine.analysis.glare import guth_position_index
 from lumenray.engine.analysis.glare_sources import link
 from lumenray.engine.analysis.picture_glare import position_indices, rate_picture

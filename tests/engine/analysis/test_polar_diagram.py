@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 from drawn_curves import circle_through
+from luminaires import rotational
+from PIL import ImageColor
+
 from lumenray.engine.analysis.canvas import DARK, LIGHT
 from lumenray.engine.analysis.polar_diagram import diagram_pixels, draw_polar_diagram, round_step
 from lumenray.engine.luminaires.coordinates import directions
 from lumenray.engine.luminaires.formats.record import LuminaireFile
 from lumenray.engine.scene.distribution import IntensityDistribution, Opening
-from luminaires import rotational
-from PIL import ImageColor
 
 SIDE = 1024
 """Size of the pictures that are measured: lines are four pixels wide. [pixel]"""

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from drawn_curves import circle_through
 from instruments import measure, paint
+from PIL import ImageColor
+
 from lumenray.engine.analysis.canvas import DARK, LIGHT
 from lumenray.engine.analysis.scattering_picture import (
     CURVES,
@@ -19,7 +21,6 @@ from lumenray.engine.analysis.scattering_picture import (
 from lumenray.engine.scattering.data.record import ScatteringFile
 from lumenray.engine.scattering.measuring.processing import process_measurement
 from lumenray.engine.scene.scattering import ScatterTable
-from PIL import ImageColor
 
 SIZE = (960, 720)
 """Pictures that are measured."""

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lumenray.engine.analysis.colour_scale import ColourScale
 from lumenray.engine.analysis.sky_picture import ShownSun, draw_sky
 from lumenray.engine.scene.light import CieSky

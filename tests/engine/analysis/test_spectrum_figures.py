@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lumenray.engine.analysis.spectrum_figures import find_figures
 from lumenray.engine.scene.spectrum import Tabulated
 

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from glare_pictures import view_of, write_radiance
+
 from lumenray.engine.analysis import tone_operators
 from lumenray.engine.analysis.display import show
 from lumenray.engine.analysis.picture_view import Mapping, PictureView

@@ -8,6 +8,7 @@ import pytest
 from folders import WILD
 from lm63_files import made as lm63
 from lm63_files import parsed
+
 from lumenray.engine.analysis.glare import guth_position_index
 from lumenray.engine.analysis.ugr_table import (
     REFLECTANCES,

@@ -6,6 +6,8 @@ import xml.etree.ElementTree as ET
 
 import numpy as np
 import pytest
+from PIL import Image
+
 from lumenray.engine.analysis.canvas import LIGHT
 from lumenray.engine.analysis.colour_maps import EVEN
 from lumenray.engine.analysis.colour_scale import BAR, WIDTH, ColourScale
@@ -26,7 +28,6 @@ from lumenray.engine.analysis.value_plan import (
     even_scale,
 )
 from lumenray.engine.errors import FileFormatError
-from PIL import Image
 
 
 def read_legend(pixels, scale):

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lumenray.engine.analysis.display import show
 from lumenray.engine.analysis.view_marks import find_marks
 from lumenray.engine.views import Display, DisplayMode

@@ -5,6 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from layouts import lay_out
+from small_scenes import box, paint, quad, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.atlas.lumels import LumelTable
 from lumenray.engine.baking.order import BakeOrder
@@ -13,7 +15,6 @@ from lumenray.engine.scene.light import Output, PointLight, Quantity, UniformWor
 from lumenray.engine.scene.material import Emission
 from lumenray.engine.scene.mesh import Mesh
 from lumenray.engine.scene.spectrum import Constant
-from small_scenes import box, paint, quad, session_of
 
 
 def table_of(mesh, density, **more):

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from chart_meshes import NO_SEARCH, check, check_polygons, torus
+
 from lumenray.engine.atlas.chart_search import ChartSearch, Failed, Found
 from lumenray.engine.atlas.charts import ChartLimits, find_charts
 from lumenray.engine.errors import Cancelled

@@ -13,8 +13,9 @@ from chart_meshes import (
     signed_areas,
     torus,
 )
-from lumenray.engine.atlas.charts import ChartLimits, find_charts
 from small_scenes import box
+
+from lumenray.engine.atlas.charts import ChartLimits, find_charts
 
 
 def globe(columns=24, rows=12):

@@ -1,6 +1,7 @@
 """Filling of gutters and of lumels that could not be computed."""
 
 import numpy as np
+
 from lumenray.engine.atlas.gutters import fill
 
 

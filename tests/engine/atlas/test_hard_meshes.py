@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from chart_meshes import check, check_polygons, mesh_of, rough_ground
 from layouts import lay_out
+
 from lumenray.engine.atlas.charts import find_charts
 from lumenray.engine.errors import SceneError
 

@@ -5,12 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from lumel_meshes import flat_atlas, mesh_of, place_uv, same_blocks, square_of_random_triangles
+from small_scenes import box, paint, quad, session_of
+
 from lumenray.engine.atlas.boxes import Boxes, net
 from lumenray.engine.atlas.lumel_blocks import PackedFacts
 from lumenray.engine.atlas.lumels import LumelTable
 from lumenray.engine.errors import Cancelled
 from lumenray.engine.scene.light import Output, PointLight, Quantity
-from small_scenes import box, paint, quad, session_of
 
 LAMP = PointLight("l", "l", Output(Quantity.LUMINOUS_FLUX, 1000.0), np.array([0.5, 0.5, 2.5]))
 
@@ -260,6 +261,7 @@ def test_samples_anywhere_in_a_box_lie_in_the_triangle_of_its_place(seed):
 def test_shadows_that_end_anywhere_in_a_lumel_are_taken_in_full():
     """Sixteen places would see the same part of a lumel in all passes, and state no error."""
     from baking_rooms import bake_in
+
     from lumenray.engine.scene.light import SunLight
 
     floor = quad("floor", (0, 0, 0), (2, 0, 0), (0, 2, 0), "paint")

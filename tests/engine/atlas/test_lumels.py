@@ -12,10 +12,11 @@ from lumel_meshes import (
     same_blocks,
     square_of_random_triangles,
 )
+from small_scenes import box, quad
+
 from lumenray.engine.atlas import coverage
 from lumenray.engine.atlas.lumels import LumelTable
 from lumenray.engine.errors import SceneError
-from small_scenes import box, quad
 
 
 def all_blocks(table):

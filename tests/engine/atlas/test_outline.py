@@ -2,6 +2,7 @@
 
 import numpy as np
 from chart_meshes import sheet
+
 from lumenray.engine.atlas.outline import find_overlapping
 
 

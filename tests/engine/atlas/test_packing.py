@@ -5,6 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from layouts import lay_out
+from small_scenes import box, quad
+
 from lumenray.engine.atlas.arrange import arrange, find_all_charts
 from lumenray.engine.atlas.detail import halve_even_charts
 from lumenray.engine.atlas.layout import Atlas
@@ -13,7 +15,6 @@ from lumenray.engine.atlas.texture_density import texture_density
 from lumenray.engine.errors import Cancelled, SceneError
 from lumenray.engine.scene.material import Diffuse, Emission, Material
 from lumenray.engine.scene.texture import ImageTexture, Tile
-from small_scenes import box, quad
 
 
 def rectangles(count, low, high, seed=3):

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lumenray.engine.atlas.picture_charts import LARGEST, lay_charts
 from lumenray.engine.scene.mesh import Mesh
 

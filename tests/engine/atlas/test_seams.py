@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+
 from lumenray.engine.atlas.gutters import fill
 from lumenray.engine.atlas.layout import Atlas, SurfaceLayout
 from lumenray.engine.atlas.lumels import LumelTable

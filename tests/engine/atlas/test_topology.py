@@ -1,6 +1,7 @@
 """Connected parts of meshes, and points that are one."""
 
 import numpy as np
+
 from lumenray.engine.atlas.topology import find_components, weld
 
 

@@ -6,6 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from baking_rooms import bake, bake_in, furnished_room, lamp, lumel_places, moved
+from small_scenes import box, paint, quad, session_of
+
 from lumenray.engine.analysis.denoiser import find_denoiser
 from lumenray.engine.errors import Cancelled, FileFormatError, SceneError
 from lumenray.engine.scene.light import Output, PointLight, Quantity, UniformWorld
@@ -14,7 +16,6 @@ from lumenray.engine.scene.material import Cauchy, Dielectric, Emission, Glossy,
 from lumenray.engine.scene.scene import SceneDelta
 from lumenray.engine.scene.spectrum import Constant
 from lumenray.engine.session import Session
-from small_scenes import box, paint, quad, session_of
 
 pytestmark = pytest.mark.mitsuba
 

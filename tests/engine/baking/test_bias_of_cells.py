@@ -5,6 +5,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+
 from lumenray.engine.accuracy.history import History, Mark, ended
 from lumenray.engine.baking.means import _bias, _mean_error
 

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 from glass_scenes import ball
+from small_scenes import box, paint
+
 from lumenray.engine.baking.facets import find_facet_loss, tell_facet_loss
 from lumenray.engine.scene.light import Output, Quantity, SunLight, UniformWorld
-from small_scenes import box, paint
 
 
 def test_what_a_facet_loses_is_what_its_normals_lean_away():

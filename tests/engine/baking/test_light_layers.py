@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 from baking_rooms import bake, furnished_room, lamp
+from small_scenes import box, paint, quad, session_of
+
 from lumenray.engine.baking.light_layers import split_lights
 from lumenray.engine.errors import SceneError
 from lumenray.engine.scene.light import UniformWorld
 from lumenray.engine.scene.light_groups import LightGroup
 from lumenray.engine.scene.material import Emission
 from lumenray.engine.scene.spectrum import Constant
-from small_scenes import box, paint, quad, session_of
 
 LAMPS = (lamp((0.6, 0.7, 1.5), 700.0, name="a"), lamp((1.4, 0.4, 1.2), 300.0, name="b"))
 GLOW = paint(0.2, "glow", emission=Emission(Constant(1.0), 60.0))

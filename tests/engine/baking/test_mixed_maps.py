@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+
 from lumenray.engine.baking.files import write_page
 from lumenray.engine.baking.mixed_maps import mix_maps
 from lumenray.engine.baking.order import AtlasPage

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lumenray.engine.accuracy.replicates import ReplicateSums
 from lumenray.engine.accuracy.student import t_quantile
 from lumenray.engine.baking.estimates import TILE_FREEDOM, pool_variance

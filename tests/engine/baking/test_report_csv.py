@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from fake_bakes import ERROR, make_map, make_page, make_result
+
 from lumenray.engine.accuracy.extremes import Extreme
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.baking.files import absolute_error, find_shortfall, write_report

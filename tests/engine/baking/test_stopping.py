@@ -2,15 +2,17 @@
 
 import numpy as np
 import pytest
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.errors import Cancelled
 
 
 @pytest.mark.mitsuba
 def test_a_bake_stops_at_the_wanted_error_and_can_be_cancelled():
+    from small_scenes import box, paint, quad, session_of
+
     from lumenray.engine.baking.order import BakeOrder
     from lumenray.engine.scene.light import Output, PointLight, Quantity
-    from small_scenes import box, paint, quad, session_of
 
     floor = quad("floor", (0.2, 0.2, 0.1), (1, 0, 0), (0, 1, 0), "paint")
     items = (

@@ -4,6 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from made_up_years import open_coefficients
+from small_scenes import paint, quad
+from weather_files import sunny_year
+
 from lumenray.blender_addon.daylight_year.job import SUN_ANGLE, Places, YearJob
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.baking.lumel_sheet import LumelSheet, SheetSurface
@@ -20,9 +24,6 @@ from lumenray.engine.scene.scene import Scene, SceneDelta
 from lumenray.engine.session import Session
 from lumenray.engine.sky.clock_range import ClockRange
 from lumenray.engine.sky.weather_file import read_weather
-from made_up_years import open_coefficients
-from small_scenes import paint, quad
-from weather_files import sunny_year
 
 
 @pytest.fixture(scope="module")

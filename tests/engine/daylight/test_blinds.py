@@ -2,6 +2,9 @@
 
 import numpy as np
 import pytest
+from made_up_years import open_coefficients
+from weather_files import sunny_year
+
 from lumenray.engine.daylight.blinds import (
     FixedTimes,
     PlaneBound,
@@ -19,8 +22,6 @@ from lumenray.engine.errors import FileFormatError, SceneError
 from lumenray.engine.sky.clock_range import ClockRange
 from lumenray.engine.sky.place import to_local
 from lumenray.engine.sky.weather_file import read_weather
-from made_up_years import open_coefficients
-from weather_files import sunny_year
 
 
 @pytest.fixture(scope="module")

@@ -4,6 +4,7 @@ from datetime import date
 
 import numpy as np
 import pytest
+
 from lumenray.engine.daylight import en17037
 from lumenray.engine.daylight.replicated import perturb
 from lumenray.engine.daylight.sunlight import day_hours, make_day, year_hours

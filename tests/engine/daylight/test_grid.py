@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
+from small_scenes import box, quad
+
 from lumenray.engine.daylight.grid import lay_grid
 from lumenray.engine.errors import SceneError
-from small_scenes import box, quad
 
 
 def test_a_rectangle_is_covered_evenly():

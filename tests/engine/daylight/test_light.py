@@ -4,6 +4,9 @@ from datetime import date
 
 import numpy as np
 import pytest
+from made_up_years import GROUPS, open_coefficients
+from weather_files import sunny_year
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.daylight.coefficients import DaylightOrder
 from lumenray.engine.daylight.factors import find_factors
@@ -14,8 +17,6 @@ from lumenray.engine.daylight.sunlight import make_day
 from lumenray.engine.daylight.year import make_year
 from lumenray.engine.errors import FileFormatError, SceneError
 from lumenray.engine.sky.weather_file import read_weather
-from made_up_years import GROUPS, open_coefficients
-from weather_files import sunny_year
 
 
 @pytest.fixture(scope="module")

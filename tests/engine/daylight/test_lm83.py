@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lumenray.engine.daylight import lm83, metrics
 from lumenray.engine.daylight.occupancy import CountedHours
 from lumenray.engine.errors import SceneError

@@ -2,12 +2,13 @@
 
 import numpy as np
 import pytest
+from weather_files import epw, epw_year
+
 from lumenray.engine.daylight.occupancy import WORKDAYS, Schedule, occupied_hours
 from lumenray.engine.errors import SceneError
 from lumenray.engine.sky.place import to_local
 from lumenray.engine.sky.weather import find_middles
 from lumenray.engine.sky.weather_file import read_weather
-from weather_files import epw, epw_year
 
 
 def year_of(tmp_path, year, **place):

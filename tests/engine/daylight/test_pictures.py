@@ -4,6 +4,7 @@ from datetime import date, datetime, timedelta
 
 import numpy as np
 import pytest
+
 from lumenray.engine.analysis.colour_scale import ColourScale
 from lumenray.engine.daylight.heat_map import arrange, draw_heat_map, find_sun_hours
 from lumenray.engine.daylight.plan import draw_plan, find_spacing

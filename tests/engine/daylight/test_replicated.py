@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+
 from lumenray.engine.accuracy.estimate import Estimate
 from lumenray.engine.accuracy.student import t_quantile
 from lumenray.engine.daylight import lm83, metrics

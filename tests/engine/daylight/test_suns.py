@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lumenray.engine.daylight.coefficients import gather_suns
 from lumenray.engine.sky.nodes import unit_vectors
 

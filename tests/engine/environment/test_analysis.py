@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from folders import WILD
+
 from lumenray.benchmarks.environment.drawn_maps import Spot, make_map
 from lumenray.engine.environment.analysis import analyse, format_ratio
 from lumenray.engine.environment.map_file import read_map

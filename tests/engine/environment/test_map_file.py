@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
+from radiance_files import write_picture
+
 from lumenray.engine.environment.map_file import read_map, write_map
 from lumenray.engine.errors import FileFormatError
-from radiance_files import write_picture
 
 PIXELS = np.random.default_rng(3).random((8, 16, 3)).astype(np.float32) * 50.0
 

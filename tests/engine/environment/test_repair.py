@@ -4,6 +4,7 @@ from datetime import UTC, datetime
 
 import numpy as np
 import pytest
+
 from lumenray.benchmarks.environment.drawn_maps import Spot, make_map
 from lumenray.engine.environment.repair import (
     choose_time,

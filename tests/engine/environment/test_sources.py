@@ -4,6 +4,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+
 from lumenray.benchmarks.environment.drawn_maps import Spot, make_map
 from lumenray.engine.environment.extraction import clip_sources, scale_sources
 from lumenray.engine.environment.repair import find_sun_of

@@ -5,11 +5,12 @@ import json
 import numpy as np
 import pytest
 from cgats_files import NM, argyll, grey, pairs, samples, table
+from text_files import written
+
 from lumenray.command_line.main import main
 from lumenray.engine.errors import FileFormatError
 from lumenray.engine.formats.spd import read_spectrum
 from lumenray.engine.photometry.spectra import planck
-from text_files import written
 
 LAMP = planck(np.linspace(380.0, 730.0, 106), 3000.0)
 

@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+
 from lumenray.engine.errors import FileFormatError
 from lumenray.engine.formats import exr
 

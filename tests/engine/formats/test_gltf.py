@@ -22,10 +22,11 @@ from baked_rooms import (
     write_room,
 )
 from gltf_files import GltfFile
+from small_scenes import box, quad
+
 from lumenray.engine.errors import FileFormatError, SceneError
 from lumenray.engine.formats.gltf import GltfLimits, write_gltf
 from lumenray.engine.scene.mesh import Mesh
-from small_scenes import box, quad
 
 
 def test_a_scene_far_off_the_origin_keeps_its_shape(tmp_path):

@@ -19,6 +19,8 @@ from baked_rooms import (
     write_room,
 )
 from gltf_files import GltfFile
+from small_scenes import quad
+
 from lumenray.engine.formats.gltf import GltfLimits, write_gltf
 from lumenray.engine.formats.gltf_colour import flatten
 from lumenray.engine.scene.material import (
@@ -32,7 +34,6 @@ from lumenray.engine.scene.material import (
 )
 from lumenray.engine.scene.spectrum import Blackbody, Constant, Rgb, Tabulated
 from lumenray.engine.scene.texture import ImageTexture
-from small_scenes import quad
 
 TO_XYZ = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
 """From linear Rec. 709 to X, Y, Z. (IEC 61966-2-1)"""

@@ -6,9 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from radiance_files import RGBE, XYZE, write_picture
+
 from lumenray.engine.errors import FileFormatError
 from lumenray.engine.formats.radiance_picture import decode, read_header
-from radiance_files import RGBE, XYZE, write_picture
 
 WHITE_EFFICACY = 179.0
 """Radiance's lumens per watt, by which its XYZE pictures are above its others. [lm/W]"""

@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
+from text_files import written
+
 from lumenray.engine.errors import FileFormatError
 from lumenray.engine.formats import sensors
 from lumenray.engine.formats.spd import read_spectrum
-from text_files import written
 
 
 def test_sensor_lists_come_with_or_without_a_heading(tmp_path):

@@ -4,10 +4,11 @@ import re
 
 import numpy as np
 import pytest
-from lumenray.engine.errors import FileFormatError
-from lumenray.engine.formats.spd import read_spectrum
 from spectra import NM, ROWS, changed_rows
 from text_files import written
+
+from lumenray.engine.errors import FileFormatError
+from lumenray.engine.formats.spd import read_spectrum
 
 
 @pytest.mark.parametrize(

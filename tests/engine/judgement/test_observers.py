@@ -3,6 +3,7 @@
 import math
 
 import pytest
+
 from lumenray.engine.errors import SceneError
 from lumenray.engine.judgement.observers import glare_limit, judge_observers
 from lumenray.engine.judgement.reader import find_requirement

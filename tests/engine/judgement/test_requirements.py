@@ -1,6 +1,7 @@
 """Files of requirements: those that ship, and how others are refused."""
 
 import pytest
+
 from lumenray.engine.errors import FileFormatError, SceneError
 from lumenray.engine.judgement.reader import find_requirement, known_requirements, read_requirements
 from lumenray.libraries import requirements

@@ -1,6 +1,7 @@
 """Schedules: what is alike is counted together, and an unknown power makes sums unknown, not zero."""
 
 import pytest
+
 from lumenray.engine.judgement.schedule import Fitting, make_schedule
 
 PANEL = Fitting("panel", 4000.0, 32.0)

@@ -4,6 +4,8 @@ import math
 
 import numpy as np
 import pytest
+from noisy_areas import NoisyArea
+
 from lumenray.engine.accuracy.extremes import Extreme
 from lumenray.engine.baking.order import LuxMap
 from lumenray.engine.errors import SceneError
@@ -19,7 +21,6 @@ from lumenray.engine.judgement.verdict import (
     overall,
     tail,
 )
-from noisy_areas import NoisyArea
 
 OFFICE = Requirement(
     "office.writing",

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lumenray.engine.errors import SceneError
 from lumenray.engine.luminaires.amount import Amount, tilt_factor
 from lumenray.engine.luminaires.formats.record import TiltTable

@@ -3,6 +3,10 @@
 import numpy as np
 import pytest
 from folders import WILD
+from luminaires import frame_of
+from scipy.spatial.transform import Rotation
+from small_scenes import session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.errors import LumenrayError, SceneError
 from lumenray.engine.luminaires.coordinates import directions
@@ -17,9 +21,6 @@ from lumenray.engine.luminaires.goniometer import (
 )
 from lumenray.engine.scene.light import Luminaire, Output, Quantity
 from lumenray.engine.scene.spectrum import Constant
-from luminaires import frame_of
-from scipy.spatial.transform import Rotation
-from small_scenes import session_of
 
 QUICK = ("ies/cu_5.IES", "ies/rp_vee.ies", "ldt/luxpy_Isym2.ldt")
 SLOW = (

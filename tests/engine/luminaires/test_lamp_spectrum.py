@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lumenray.engine.luminaires.formats.record import LampSet, LuminaireFile
 from lumenray.engine.luminaires.lamp_spectrum import NEAR, SERIES, USUAL, choose_spectrum
 from lumenray.engine.photometry.spectra import GRID, evaluate_emission, luminous_weight

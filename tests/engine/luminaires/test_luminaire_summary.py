@@ -2,13 +2,14 @@
 
 import numpy as np
 import pytest
+from luminaires import rotational
+
 from lumenray.engine.luminaires.coordinates import FRAMES, directions
 from lumenray.engine.luminaires.distribution import flux, intensity, mirrored, turned
 from lumenray.engine.luminaires.formats.record import LuminaireFile
 from lumenray.engine.luminaires.summary import summarise
 from lumenray.engine.luminaires.zones import flux_within
 from lumenray.engine.scene.distribution import IntensityDistribution, Opening
-from luminaires import rotational
 
 
 def file_of(distribution, photometric_type="C", **more):

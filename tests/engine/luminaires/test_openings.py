@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lumenray.engine.luminaires.openings import projected_area
 from lumenray.engine.scene.distribution import Opening
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lumenray.benchmarks.common import radiance
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.luminaires.distribution import flux

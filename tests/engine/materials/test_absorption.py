@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from glass_scenes import BLACK, ball, fresnel, point, slab, sun, through_slab
 from live_scenes import frame_at
+from small_scenes import box, paint, quad, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.errors import SceneError
 from lumenray.engine.scene.camera import Camera, Projection
@@ -13,7 +15,6 @@ from lumenray.engine.scene.light import UniformWorld
 from lumenray.engine.scene.material import Cauchy, Dielectric, Material, Mix
 from lumenray.engine.scene.spectrum import Constant, Rgb, Tabulated
 from lumenray.engine.views import ViewSettings
-from small_scenes import box, paint, quad, session_of
 
 pytestmark = pytest.mark.mitsuba
 

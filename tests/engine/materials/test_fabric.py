@@ -3,6 +3,9 @@
 import numpy as np
 import pytest
 from baking_rooms import bake_in
+from scipy.integrate import quad as integrate
+from small_scenes import paint, quad, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.errors import SceneError
 from lumenray.engine.materials.fabric import cutoff, mean_open_share, open_share
@@ -13,8 +16,6 @@ from lumenray.engine.scene.spectrum import Constant, Rgb
 from lumenray.engine.sensitivity import measure_sensitivities
 from lumenray.engine.transport import backend
 from lumenray.engine.views import ViewSettings
-from scipy.integrate import quad as integrate
-from small_scenes import paint, quad, session_of
 
 
 def fabric(openness, reflectance, transmittance):
@@ -48,6 +49,7 @@ def test_all_openings_are_no_fabric():
 def draw(surface, angle, count=1 << 17):
     """Directions, weights and straight ones of light that comes at an angle [degree]."""
     import mitsuba as mi
+
     from lumenray.engine.materials import plugins
     from lumenray.engine.transport.compiled.surfaces import bsdf
     from lumenray.engine.transport.compiled.textures import TextureMaker

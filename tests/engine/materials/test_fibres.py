@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
+from scipy.integrate import trapezoid
+
 from lumenray.engine.materials.facets import COSINES
 from lumenray.engine.materials.fibres import NODES, lobes_of, sent_on
-from scipy.integrate import trapezoid
 
 ROOTS = np.linspace(0.0, 1.0, COSINES)
 

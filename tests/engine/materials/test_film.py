@@ -2,6 +2,10 @@
 
 import numpy as np
 import pytest
+from sampled_surfaces import albedo, flux, interaction, plugin
+from scattering_models import towards
+from scipy.interpolate import RegularGridInterpolator
+
 from lumenray.engine.errors import SceneError
 from lumenray.engine.materials.facets import directional_reflectance, fresnel
 from lumenray.engine.materials.film import (
@@ -16,9 +20,6 @@ from lumenray.engine.scene.film import Film
 from lumenray.engine.scene.material import Cauchy, Coated, Dielectric, Glossy
 from lumenray.engine.scene.spectrum import Constant
 from lumenray.engine.transport import backend
-from sampled_surfaces import albedo, flux, interaction, plugin
-from scattering_models import towards
-from scipy.interpolate import RegularGridInterpolator
 
 COSINES = np.linspace(0.02, 1.0, 25)
 

@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+
 from lumenray.engine.errors import SceneError
 from lumenray.engine.scene.material import Coated, Glossy, Grain
 from lumenray.engine.scene.mesh import Geometry, Placement
@@ -20,6 +21,7 @@ def _mono():
 
 def plugin(surface):
     import mitsuba as mi
+
     from lumenray.engine.materials import plugins
     from lumenray.engine.transport.compiled.surfaces import bsdf
     from lumenray.engine.transport.compiled.textures import TextureMaker

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lumenray.engine.scene.material import Conductor, Glossy
 from lumenray.engine.scene.spectrum import Constant, Rgb
 from lumenray.engine.transport import backend
@@ -18,6 +19,7 @@ def _spectral():
 
 def plugin(surface):
     import mitsuba as mi
+
     from lumenray.engine.materials import plugins
     from lumenray.engine.transport.compiled.surfaces import bsdf
     from lumenray.engine.transport.compiled.textures import TextureMaker
@@ -30,6 +32,7 @@ def looked_at():
     """Places in many wavelengths, seen from the side."""
     import drjit as dr
     import mitsuba as mi
+
     from lumenray.engine.arrays import upload
 
     si = dr.zeros(mi.SurfaceInteraction3f, COUNT)

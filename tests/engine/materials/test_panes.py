@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from small_scenes import quad, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.errors import SceneError
 from lumenray.engine.scene.camera import Camera, Projection
@@ -26,7 +28,6 @@ from lumenray.engine.scene.texture import ImageTexture
 from lumenray.engine.session import Session
 from lumenray.engine.views import Display, LiveSettings
 from lumenray.engine.worker.codec import decode, encode
-from small_scenes import quad, session_of
 
 pytestmark = pytest.mark.mitsuba
 

@@ -4,6 +4,7 @@ from itertools import product
 
 import numpy as np
 import pytest
+
 from lumenray.engine.scene.texture import ImageTexture
 from lumenray.engine.transport import backend
 
@@ -24,6 +25,7 @@ def surfaces():
     """Random places, some of them far outside, in four random wavelengths."""
     import drjit as dr
     import mitsuba as mi
+
     from lumenray.engine.arrays import upload
 
     rng = np.random.default_rng(1)
@@ -78,6 +80,7 @@ def laid():
 @pytest.mark.parametrize("spectral", [False, True])
 def test_all_pictures_have_the_values_of_mitsubas_own(spectral):
     import mitsuba as mi
+
     from lumenray.engine.transport.compiled.bitmaps import Bitmaps
 
     backend.start(spectral)
@@ -97,6 +100,7 @@ def test_all_pictures_have_the_values_of_mitsubas_own(spectral):
 @pytest.mark.mitsuba
 def test_rows_keep_their_pictures_while_others_come_and_go():
     import mitsuba as mi
+
     from lumenray.engine.transport.compiled.bitmaps import Bitmaps, key_of
 
     backend.start(False)
@@ -122,6 +126,7 @@ def test_rows_keep_their_pictures_while_others_come_and_go():
 @pytest.mark.mitsuba
 def test_a_picture_of_another_kind_meets_the_same_kernel():
     import drjit as dr
+
     from lumenray.engine.transport.compiled.bitmaps import Bitmaps
 
     backend.start(True)
@@ -144,6 +149,7 @@ def test_a_picture_of_another_kind_meets_the_same_kernel():
 def test_a_palette_shows_each_shape_its_own_picture(spectral):
     import drjit as dr
     import mitsuba as mi
+
     from lumenray.engine.arrays import upload
     from lumenray.engine.materials import plugins
     from lumenray.engine.scene.material import Black, Coated, Diffuse, Material

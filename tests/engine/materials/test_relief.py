@@ -5,6 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from baking_rooms import bake_in, lamp
+from scattering_models import towards
+from small_scenes import box, paint, quad, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.errors import SceneError
 from lumenray.engine.scene.camera import Camera, Projection
@@ -29,8 +32,6 @@ from lumenray.engine.scene.texture import ImageTexture
 from lumenray.engine.session import Session
 from lumenray.engine.transport import backend
 from lumenray.engine.views import ViewSettings
-from scattering_models import towards
-from small_scenes import box, paint, quad, session_of
 
 SURFACES = {
     "matt": Diffuse(Constant(1.0)),

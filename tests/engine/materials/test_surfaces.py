@@ -2,6 +2,10 @@
 
 import numpy as np
 import pytest
+from sampled_surfaces import albedo, flux, interaction, plugin
+from scattering_models import towards
+from scipy import stats
+
 from lumenray.engine.scene.film import Film
 from lumenray.engine.scene.material import (
     Black,
@@ -22,9 +26,6 @@ from lumenray.engine.scene.material import (
 )
 from lumenray.engine.scene.spectrum import Constant, Rgb
 from lumenray.engine.transport import backend
-from sampled_surfaces import albedo, flux, interaction, plugin
-from scattering_models import towards
-from scipy import stats
 
 FACING = np.stack([np.stack([blend_cosines(), 1.0 - blend_cosines()])] * 2)
 """Weights of a blend whose second part shows at the edges."""
@@ -369,6 +370,7 @@ def test_clear_rough_glass_sends_all_light_on(roughness, angle):
 def test_what_facets_reflect_once_and_what_comes_by_more_of_them(roughness):
     """Mitsuba's own rough conductor knows single reflections only; its masking and shadowing know nothing of each other."""
     import mitsuba as mi
+
     from lumenray.engine.materials.rough_metal import tables
 
     count, angle, colour = 1 << 18, 45, 0.5
@@ -420,6 +422,7 @@ def test_a_tint_colours_what_a_coat_reflects_along_its_normal(angle, tint):
 def test_a_pane_transmits_what_fresnel_and_its_body_say():
     # n = 1.5, clear, normal incidence with all internal reflections: T = 2 n / (n^2 + 1) = 0.9231.
     import mitsuba as mi
+
     from lumenray.engine.materials.plugins import pane_optics
 
     r, t = pane_optics(mi.Float(1.0), 1.5, mi.Spectrum(1.0))

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lumenray.engine.errors import SceneError
 from lumenray.engine.scene.texture import ImageTexture, Tile
 from lumenray.engine.transport import backend
@@ -56,6 +57,7 @@ def value_at(picture, u, v):
 def test_every_place_shows_its_tile(extension, interpolation, transform):
     import drjit as dr
     import mitsuba as mi
+
     from lumenray.engine.arrays import upload
     from lumenray.engine.transport.compiled.bitmaps import Bitmaps
 
@@ -88,6 +90,7 @@ def test_every_place_shows_its_tile(extension, interpolation, transform):
 def test_colours_of_tiles_are_those_of_pictures_of_their_own(spectral):
     import drjit as dr
     import mitsuba as mi
+
     from lumenray.engine.arrays import upload
     from lumenray.engine.transport.compiled.bitmaps import Bitmaps
 
@@ -125,6 +128,7 @@ def test_colours_of_tiles_are_those_of_pictures_of_their_own(spectral):
 def test_slopes_of_heights_on_tiles_are_differences_of_their_values():
     import drjit as dr
     import mitsuba as mi
+
     from lumenray.engine.arrays import upload
     from lumenray.engine.transport.compiled.bitmaps import Bitmaps
 

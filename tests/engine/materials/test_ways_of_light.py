@@ -3,6 +3,8 @@
 import numpy as np
 import pytest
 from baking_rooms import lamp
+from small_scenes import box, paint, quad
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.camera import Camera, Projection
 from lumenray.engine.scene.film import Film
@@ -12,7 +14,6 @@ from lumenray.engine.scene.spectrum import Constant
 from lumenray.engine.session import Session
 from lumenray.engine.transport import backend
 from lumenray.engine.views import ViewSettings
-from small_scenes import box, paint, quad
 
 pytestmark = [pytest.mark.mitsuba, pytest.mark.slow]
 

@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from paints import aspecular, interference, mirrors, one_layer
+
 from lumenray.engine.errors import SceneError
 from lumenray.engine.paint.fitting import (
     BrdfReadings,
@@ -15,7 +17,6 @@ from lumenray.engine.paint.fitting import (
 from lumenray.engine.paint.least_squares import minimise
 from lumenray.engine.paint.readings import SIX, read_lab
 from lumenray.engine.paint.solution import solve
-from paints import aspecular, interference, mirrors, one_layer
 
 ANGLES = [(45, a) for a in (15, 25, 45, 75)] + [(20, 10), (60, 20)]
 

@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
+from paints import interference, one_layer
+
 from lumenray.benchmarks.paint import reference
 from lumenray.engine.errors import SceneError
 from lumenray.engine.paint.flake_optics import find_curves, find_shares, polynomials
-from paints import interference, one_layer
 
 ANGLES = np.cos(np.radians([0, 15, 30, 45, 60, 75]))
 

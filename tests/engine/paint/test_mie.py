@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lumenray.engine.errors import SceneError
 from lumenray.engine.paint.composition import Diameters
 from lumenray.engine.paint.mie import scatter_spheres

@@ -2,12 +2,13 @@
 
 import numpy as np
 import pytest
+from paints import interference, make_paint, mirrors, one_layer
+
 from lumenray.benchmarks.paint import reference
 from lumenray.engine.errors import SceneError
 from lumenray.engine.paint.explicit_flakes import walk_among_discs
 from lumenray.engine.paint.photon_walk import walk
 from lumenray.engine.paint.solution import solve
-from paints import interference, make_paint, mirrors, one_layer
 
 GRAIN = {"medium": {"extinction_per_um": 0.02, "albedo": 0.8, "asymmetry": 0.7}}
 

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+
 from lumenray.engine.errors import FileFormatError
 from lumenray.engine.paint.composition import Diameters, face_densities, volume_fractions
 from lumenray.engine.paint.reader import known_constituents, parse_paint, read_paint

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lumenray.benchmarks.paint.slabs import make_slab, shares_of
 from lumenray.engine.paint.slab import Rates, add_below, find_slab
 

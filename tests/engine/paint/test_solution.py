@@ -2,10 +2,6 @@
 
 import numpy as np
 import pytest
-from lumenray.benchmarks.paint import reference
-from lumenray.engine.errors import SceneError
-from lumenray.engine.paint.first_order import pairs_of
-from lumenray.engine.paint.solution import Resolution, resolution_for, solve
 from paints import (
     SAMPLE_ANGLES,
     SAMPLES,
@@ -15,6 +11,11 @@ from paints import (
     mirrors,
     one_layer,
 )
+
+from lumenray.benchmarks.paint import reference
+from lumenray.engine.errors import SceneError
+from lumenray.engine.paint.first_order import pairs_of
+from lumenray.engine.paint.solution import Resolution, resolution_for, solve
 
 NORMAL_AND_45 = np.sin(np.radians([0.0, 45.0]))
 

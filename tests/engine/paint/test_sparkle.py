@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+
 from lumenray.engine.paint.reader import parse_paint
 from lumenray.engine.paint.solution import solve
 from lumenray.engine.paint.sparkle import find_sparkles

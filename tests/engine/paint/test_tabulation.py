@@ -2,13 +2,14 @@
 
 import numpy as np
 import pytest
+from paints import SAMPLES, aspecular, make_paint, mirrors, one_layer
+
 from lumenray.engine.paint.orange_peel import evaluate
 from lumenray.engine.paint.readings import ASPECULAR, lab_of, read_lab
 from lumenray.engine.paint.solution import solve
 from lumenray.engine.paint.tabulation import FINE, PREVIEW, STANDARD, compute, tabulate
 from lumenray.engine.scattering.data.store import pack, read_store
 from lumenray.engine.scattering.data.table import evaluate_table
-from paints import SAMPLES, aspecular, make_paint, mirrors, one_layer
 
 BANDS = [450.0, 550.0, 650.0]
 

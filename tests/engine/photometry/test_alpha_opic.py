@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lumenray.engine.photometry.alpha_opic import (
     MELANOPIC,
     RECEPTORS,

@@ -4,6 +4,7 @@ import warnings
 
 import numpy as np
 import pytest
+
 from lumenray.engine.photometry.colour import chromaticity, cie_lab, colour_difference
 
 with warnings.catch_warnings():

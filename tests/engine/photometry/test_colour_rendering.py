@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lumenray.engine.analysis.sensor_colours import find_colours, rendering_range
 from lumenray.engine.photometry.colour_fidelity import fidelity_and_gamut
 from lumenray.engine.photometry.colour_rendering import colour_rendering, general_index

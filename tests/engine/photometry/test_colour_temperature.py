@@ -3,6 +3,7 @@
 import colour
 import numpy as np
 import pytest
+
 from lumenray.engine.photometry.colour_temperature import colour_temperature
 from lumenray.engine.photometry.spectra import GRID, daylight, illuminant, observer, planck
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lumenray.engine.photometry.colour import REC709_LUMINANCE
 from lumenray.engine.photometry.filtered_light import filtered_luminance
 from lumenray.engine.photometry.spectra import (

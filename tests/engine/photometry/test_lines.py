@@ -3,6 +3,7 @@
 import colour
 import numpy as np
 import pytest
+
 from lumenray.engine.errors import SceneError
 from lumenray.engine.photometry import spectra
 from lumenray.engine.requirements.plan import make_plan

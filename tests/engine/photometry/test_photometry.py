@@ -4,6 +4,7 @@ import warnings
 
 import numpy as np
 import pytest
+
 from lumenray.engine.errors import SceneError
 from lumenray.engine.photometry import spectra, units
 from lumenray.engine.photometry.colour import automatic_white, scene_linear

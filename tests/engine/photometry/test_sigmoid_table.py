@@ -5,6 +5,7 @@ import sys
 
 import numpy as np
 import pytest
+
 from lumenray.engine.photometry.sigmoid_table import fetch_coefficients
 from lumenray.engine.photometry.spectra import GRID
 

@@ -2,12 +2,13 @@
 
 import numpy as np
 import pytest
+from small_scenes import quad, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.photometry.three_channels import excess_over_channels
 from lumenray.engine.scene.light import UniformWorld
 from lumenray.engine.scene.material import Diffuse, Material
 from lumenray.engine.scene.spectrum import Rgb
-from small_scenes import quad, session_of
 
 REC709 = np.array([0.2126, 0.7152, 0.0722])
 WARM, RED = Rgb(1.0, 0.53, 0.2), Rgb(0.7, 0.3, 0.2)

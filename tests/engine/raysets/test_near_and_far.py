@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lumenray.benchmarks.raysets.sources import RADIUS, disk, even_numbers, numbers, sphere
 from lumenray.engine.analysis.explanation import explain_rays
 from lumenray.engine.raysets.beam_cells import BeamCells

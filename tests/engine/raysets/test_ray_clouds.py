@@ -4,6 +4,8 @@ import functools
 
 import numpy as np
 import pytest
+from ray_files import lambert_rays, zemax
+
 from lumenray.benchmarks.raysets.sources import (
     RADIUS,
     SOURCES,
@@ -22,7 +24,6 @@ from lumenray.engine.raysets.reader import read_rayset
 from lumenray.engine.raysets.record import Rays
 from lumenray.engine.raysets.reduction import is_rotational, reduce_rays, view_rays
 from lumenray.engine.raysets.symmetry import find_axis
-from ray_files import lambert_rays, zemax
 
 COUNTED = 10_000
 """Rays of the sets."""

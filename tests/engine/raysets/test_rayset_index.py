@@ -5,13 +5,14 @@ import os
 
 import numpy as np
 import pytest
+from ray_files import zemax
+
 from lumenray.benchmarks.raysets.sources import disk, even_numbers
 from lumenray.engine.errors import FileFormatError
 from lumenray.engine.raysets import cloud, emission
 from lumenray.engine.raysets.cloud import Fluctuation
 from lumenray.engine.raysets.emission import Wish
 from lumenray.engine.raysets.index import index_path, load_light, obtain_light, save_light
-from ray_files import zemax
 
 PLAIN = Wish()
 

@@ -5,11 +5,6 @@ import struct
 import numpy as np
 import pytest
 from folders import WILD
-from lumenray.engine.errors import Cancelled, FileFormatError, LumenrayError
-from lumenray.engine.raysets.reader import read_rays, read_rayset
-from lumenray.engine.raysets.survey import survey_rays
-from lumenray.engine.raysets.text import Assumed
-from lumenray.engine.raysets.writers import write_tm25, write_zemax
 from ray_files import (
     COUNT,
     asap,
@@ -22,6 +17,12 @@ from ray_files import (
     zemax,
     zemax_text,
 )
+
+from lumenray.engine.errors import Cancelled, FileFormatError, LumenrayError
+from lumenray.engine.raysets.reader import read_rays, read_rayset
+from lumenray.engine.raysets.survey import survey_rays
+from lumenray.engine.raysets.text import Assumed
+from lumenray.engine.raysets.writers import write_tm25, write_zemax
 
 DATA = WILD / "rayset"
 

@@ -6,6 +6,7 @@ import zipfile
 
 import numpy as np
 import pytest
+
 from lumenray.engine.errors import FileFormatError, LumenrayError
 from lumenray.engine.reading import array_archive
 from lumenray.engine.reading.array_archive import (

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from lumenray.command_line import main as command_line
 from lumenray.engine.errors import FileFormatError
 from lumenray.engine.formats.checkpoint import read_checkpoint

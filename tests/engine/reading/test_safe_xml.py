@@ -3,6 +3,7 @@
 import re
 
 import pytest
+
 from lumenray.engine.errors import FileFormatError
 from lumenray.engine.reading import safe_xml
 from lumenray.engine.reading.safe_xml import MAXIMUM_DEPTH, parse_xml

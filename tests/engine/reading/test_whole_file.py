@@ -4,6 +4,7 @@ import os
 import sys
 
 import pytest
+
 from lumenray.engine.errors import FileFormatError
 from lumenray.engine.reading import whole_file
 from lumenray.engine.reading.whole_file import write_whole

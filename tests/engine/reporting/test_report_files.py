@@ -8,11 +8,12 @@ import re
 from dataclasses import replace
 
 import pytest
+from made_up_reports import HOSTILE, new_report
+
 from lumenray.engine.errors import FileFormatError, LumenrayError
 from lumenray.engine.reporting import data, pdf_file
 from lumenray.engine.reporting.composition import compose, estimate
 from lumenray.engine.reporting.html_file import to_html, write_html
-from made_up_reports import HOSTILE, new_report
 
 
 class Page(html.parser.HTMLParser):

@@ -3,6 +3,7 @@
 import math
 
 import pytest
+
 from lumenray.engine.requirements.budget import left_to_samples, tell_parts
 
 

@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from small_scenes import box, paint, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.photometry.spectra import (
     GRID,
@@ -29,7 +31,6 @@ from lumenray.engine.scene.modelling import Modelling, Switch
 from lumenray.engine.scene.scene import Scene, SceneDelta
 from lumenray.engine.scene.spectrum import Constant, Illuminant, Rgb, Tabulated
 from lumenray.engine.scene.texture import ImageTexture
-from small_scenes import box, paint, session_of
 
 PERCENT = Asked(0.01, has_colour=False)
 

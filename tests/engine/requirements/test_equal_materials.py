@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from small_scenes import box, paint, quad, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.requirements.decision import Asked
 from lumenray.engine.requirements.plan import make_plan
@@ -12,7 +14,6 @@ from lumenray.engine.scene.material import Diffuse, Emission, Glossy, Material, 
 from lumenray.engine.scene.modelling import Modelling, Switch
 from lumenray.engine.scene.scene import Scene, SceneDelta
 from lumenray.engine.scene.spectrum import Constant, Tabulated
-from small_scenes import box, paint, quad, session_of
 
 OFF = Modelling((("equal materials", Switch.OFF),))
 

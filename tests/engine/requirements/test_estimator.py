@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from small_scenes import box, paint, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.requirements.plan import make_plan
 from lumenray.engine.scene.light import Output, PointLight, Quantity
@@ -9,7 +11,6 @@ from lumenray.engine.scene.material import Glossy, Material
 from lumenray.engine.scene.modelling import Modelling, Switch
 from lumenray.engine.scene.scene import Scene, SceneDelta
 from lumenray.engine.scene.spectrum import Constant
-from small_scenes import box, paint, session_of
 
 
 def wish(switch):

@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from small_scenes import paint, quad
+
 from lumenray.engine.requirements.decision import Asked, boxes_of
 from lumenray.engine.requirements.plan import make_plan
 from lumenray.engine.requirements.ray_sets import find_limit
@@ -12,7 +14,6 @@ from lumenray.engine.scene.light import Luminaire, Output, Quantity
 from lumenray.engine.scene.modelling import Modelling, Switch
 from lumenray.engine.scene.ray_emission import EVERYWHERE, GROUP, PLANE, RayBody, RayEmission
 from lumenray.engine.scene.scene import Scene, SceneDelta
-from small_scenes import paint, quad
 
 FAR = np.array([1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0])
 DOWN, ZERO = np.array([0.0, 0.0, -1.0]), np.zeros(3)

@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from small_scenes import box, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.baking.light_layers import split_lights
 from lumenray.engine.photometry.spectra import GRID, evaluate_reflectance
@@ -31,7 +33,6 @@ from lumenray.engine.scene.modelling import Modelling, Switch
 from lumenray.engine.scene.scene import Scene, SceneDelta
 from lumenray.engine.scene.spectrum import Constant, Rgb
 from lumenray.engine.scene.texture import ImageTexture
-from small_scenes import box, session_of
 
 EVEN = ImageTexture(np.full((2, 2, 1), 0.5, np.float32))
 

@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from small_scenes import box, paint, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.requirements.decision import Asked, boxes_of, places_of
 from lumenray.engine.requirements.hulls import INSIDE, OUTSIDE, UNKNOWN, closed_parts, sides
@@ -14,7 +16,6 @@ from lumenray.engine.scene.material import Cauchy, Dielectric, Diffuse, Material
 from lumenray.engine.scene.mesh import Geometry, Placement
 from lumenray.engine.scene.modelling import Modelling, Switch
 from lumenray.engine.scene.scene import Scene, SceneDelta
-from small_scenes import box, paint, session_of
 
 FLUX = Output(Quantity.LUMINOUS_FLUX, 1000.0)
 

@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from small_scenes import box, paint, quad, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.requirements.decision import Asked
 from lumenray.engine.requirements.plan import make_plan
@@ -10,7 +12,6 @@ from lumenray.engine.scene.material import Diffuse, Material
 from lumenray.engine.scene.modelling import Modelling, Switch
 from lumenray.engine.scene.scene import Scene, SceneDelta
 from lumenray.engine.scene.spectrum import Illuminant, Rgb, Tabulated
-from small_scenes import box, paint, quad, session_of
 
 EVENLY = Modelling((("wavelengths", Switch.OFF),))
 

@@ -5,12 +5,13 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from luminaires import grid, rotational
+
 from lumenray.engine.errors import FileFormatError, SceneError
 from lumenray.engine.luminaires.formats.record import LUMINOUS
 from lumenray.engine.roads.installation import Road
 from lumenray.engine.roads.light import light_road, threshold_increment, veiling_of
 from lumenray.engine.roads.surface import RoadSurface, find_surface, read_surface
-from luminaires import grid, rotational
 
 
 def lamp(distribution):

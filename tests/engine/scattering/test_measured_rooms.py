@@ -5,6 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from baking_rooms import bake, lamp
+from scattering_models import ggx, lambert
+from small_scenes import box, quad, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scattering.data.resampling import resample
 from lumenray.engine.scene.camera import Camera, Projection
@@ -14,8 +17,6 @@ from lumenray.engine.scene.scattering import PatchBasis, PatchMatrix, TensorTree
 from lumenray.engine.scene.spectrum import Constant
 from lumenray.engine.views import ViewSettings
 from lumenray.engine.worker import codec
-from scattering_models import ggx, lambert
-from small_scenes import box, quad, session_of
 
 pytestmark = pytest.mark.mitsuba
 

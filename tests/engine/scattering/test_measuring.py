@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from instruments import DARK, INCIDENCES, REFERENCE_DARK, STEEPEST, WHITE, measure, paint, text_of
+
 from lumenray.engine.errors import FileFormatError, SceneError
 from lumenray.engine.scattering.data.table import (
     albedo_of,

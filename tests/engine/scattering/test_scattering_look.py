@@ -5,6 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scattering_models import ggx, lambert, schlick
+
 from lumenray.engine.photometry.colour import XYZ_TO_REC709
 from lumenray.engine.scattering.data.record import ScatteringFile
 from lumenray.engine.scattering.data.resampling import resample
@@ -12,7 +14,6 @@ from lumenray.engine.scattering.data.tristimulus import linear_colour, tristimul
 from lumenray.engine.scattering.look import energy_of_lobe, fit_look
 from lumenray.engine.scattering.readers.colour import spectra_of_rgb
 from lumenray.engine.scattering.summary import summarise
-from scattering_models import ggx, lambert, schlick
 
 INCIDENCES = np.radians([0.0, 8.0, 30.0, 60.0])
 

@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from small_scenes import quad, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scattering.data.resampling import resample
 from lumenray.engine.scene.camera import Camera, Projection
@@ -11,7 +13,6 @@ from lumenray.engine.scene.light import Output, Quantity, SunLight
 from lumenray.engine.scene.material import Material, Measured
 from lumenray.engine.scene.scattering import Sparkle
 from lumenray.engine.views import ViewSettings
-from small_scenes import quad, session_of
 
 pytestmark = [pytest.mark.mitsuba, pytest.mark.slow]
 

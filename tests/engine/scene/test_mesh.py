@@ -1,6 +1,7 @@
 """UV maps of meshes."""
 
 import numpy as np
+
 from lumenray.engine.scene.mesh import CHART_MAP, find_uv_map
 
 FIRST, SECOND, CHARTS = (np.full((1, 3, 2), value) for value in (0.1, 0.2, 0.3))

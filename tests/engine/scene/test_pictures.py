@@ -5,6 +5,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from small_scenes import paint, quad, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.errors import SceneError
 from lumenray.engine.scene import memo
@@ -13,7 +15,6 @@ from lumenray.engine.scene.material import Coated, Emission, Glossy, Material, M
 from lumenray.engine.scene.scene import Attachment, Scene, SceneDelta, array_digest, content_digest
 from lumenray.engine.scene.spectrum import Constant
 from lumenray.engine.scene.texture import ImageTexture, Pixels
-from small_scenes import paint, quad, session_of
 
 UP = [[0.0, 0.0, 1.0]]
 
@@ -147,6 +148,7 @@ def work(session):
 def built(monkeypatch):
     """Sizes of the bitmaps that are built from here on, those of two pixels aside."""
     import mitsuba as mi
+
     from lumenray.engine.transport import backend
 
     backend.start(True)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lumenray.engine.errors import SceneError
 from lumenray.engine.sky.availability import condition_of_type, usual_illuminance
 from lumenray.engine.sky.measured import (

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lumenray.engine.errors import SceneError
 from lumenray.engine.photometry.colour_temperature import colour_temperature
 from lumenray.engine.photometry.spectra import GRID, evaluate_emission, luminous_weight, observer
@@ -28,6 +29,7 @@ def mitsubas_sky(elevation, turbidity, albedo, rows=120, columns=240):
     """Directions, and spectral radiance at the model's wavelengths, by the plug-in alone. (n, 3), (11, n) [W/(m2 sr nm)]"""
     import drjit as dr
     import mitsuba as mi
+
     from lumenray.engine.transport import backend
 
     backend.start(True)

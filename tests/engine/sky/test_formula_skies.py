@@ -5,14 +5,15 @@ import json
 import numpy as np
 import pytest
 from folders import WILD
+from scipy import stats
+from small_scenes import session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.errors import SceneError
 from lumenray.engine.scene.light import CieSky, CloudySky, PerezSky
 from lumenray.engine.sky import cie
 from lumenray.engine.sky.cie import horizontal_ratio, relative_luminance, sun_direction
 from lumenray.engine.sky.skies import check_sky, find_luminances, mean_luminance, zenith_luminance
-from scipy import stats
-from small_scenes import session_of
 
 REFERENCE = WILD.parent / "validation" / "reference.json"
 
@@ -168,6 +169,7 @@ def test_rays_see_the_luminance_of_the_formula_through_edits_of_the_sky():
     """Skies of all kinds take each other's place in one emitter, and none leaves anything behind."""
     import drjit as dr
     import mitsuba as mi
+
     from lumenray.engine.scene.scene import SceneDelta
 
     directions = np.random.default_rng(4).normal(size=(4000, 3))

@@ -2,13 +2,14 @@
 
 import numpy as np
 import pytest
+from small_scenes import session_of
+from weather_files import epw, epw_record, wea
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.sky.hour import find_daylight_hours, make_hour
 from lumenray.engine.sky.perez import find_daylight, precipitable_water
 from lumenray.engine.sky.weather import find_hours
 from lumenray.engine.sky.weather_file import read_weather
-from small_scenes import session_of
-from weather_files import epw, epw_record, wea
 
 
 @pytest.fixture

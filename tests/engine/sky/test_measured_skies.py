@@ -6,6 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from mutations import mutate
+from scipy import stats
+from small_scenes import session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.errors import FileFormatError, SceneError
 from lumenray.engine.scene.light import CieSky
@@ -22,9 +26,6 @@ from lumenray.engine.sky.measured import (
 )
 from lumenray.engine.sky.picture import find_illuminance
 from lumenray.engine.sky.skies import find_luminances
-from mutations import mutate
-from scipy import stats
-from small_scenes import session_of
 
 UPWARDS = (0.0, 0.0, 1.0)
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lumenray.engine.sky.cie import pattern_of_type
 from lumenray.engine.sky.nodes import SkyNodes, _quadrature, find_projection, unit_vectors
 from lumenray.engine.sky.pattern import evaluate, integrate

@@ -2,13 +2,14 @@
 
 import numpy as np
 import pytest
+from weather_files import epw, epw_record
+
 from lumenray.engine.errors import SceneError
 from lumenray.engine.sky.hour import find_daylight_hours, make_hour
 from lumenray.engine.sky.place import Place
 from lumenray.engine.sky.solar_position import find_sun
 from lumenray.engine.sky.weather import find_hours, find_middles
 from lumenray.engine.sky.weather_file import read_weather
-from weather_files import epw, epw_record
 
 MANNHEIM = {"latitude": 49.5, "longitude": 8.5, "zone": 1.0}
 

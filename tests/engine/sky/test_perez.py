@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from lumenray.engine.errors import SceneError
 from lumenray.engine.scene.light import PerezSky
 from lumenray.engine.sky.cie import sun_direction

@@ -3,6 +3,9 @@
 import numpy as np
 import pytest
 from folders import WILD
+from scipy import ndimage, stats
+from small_scenes import quad, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.errors import SceneError
 from lumenray.engine.scene.camera import Camera, Projection
@@ -11,8 +14,6 @@ from lumenray.engine.scene.material import Black, Emission, Material
 from lumenray.engine.scene.texture import ImageTexture
 from lumenray.engine.sky.picture import find_illuminance
 from lumenray.engine.views import ViewSettings
-from scipy import ndimage, stats
-from small_scenes import quad, session_of
 
 REC709 = np.array([0.2126, 0.7152, 0.0722])
 

@@ -3,6 +3,7 @@
 from datetime import datetime
 
 import pytest
+
 from lumenray.engine.errors import SceneError
 from lumenray.engine.sky.place import (
     Place,

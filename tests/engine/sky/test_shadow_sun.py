@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lumenray.engine.errors import SceneError
 from lumenray.engine.scene.camera import Camera, Projection
 from lumenray.engine.sky.shadow_sun import find_sun, meet_ground

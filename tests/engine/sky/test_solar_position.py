@@ -4,6 +4,7 @@ from datetime import datetime
 
 import numpy as np
 import pytest
+
 from lumenray.benchmarks.daylight.sun import meeus_direction
 from lumenray.engine.errors import SceneError
 from lumenray.engine.sky import solar_position

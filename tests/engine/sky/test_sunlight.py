@@ -3,6 +3,7 @@
 import colour
 import numpy as np
 import pytest
+
 from lumenray.engine.errors import SceneError
 from lumenray.engine.photometry.spectra import GRID, luminous_efficiency
 from lumenray.engine.sky.perez import air_mass

@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 from folders import WILD
+from weather_files import epw, epw_record, epw_year, wea
+
 from lumenray.engine.errors import FileFormatError, SceneError
 from lumenray.engine.sky.place import Place, to_local
 from lumenray.engine.sky.solar_position import find_sun
 from lumenray.engine.sky.weather import find_hours
 from lumenray.engine.sky.weather_file import read_weather
-from weather_files import epw, epw_record, epw_year, wea
 
 REAL = WILD / "epw"
 

@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from weather_files import epw, epw_record, sunny_year
+
 from lumenray.engine.errors import SceneError
 from lumenray.engine.scene.light import PerezSky
 from lumenray.engine.sky.clock_range import ClockRange
@@ -14,7 +16,6 @@ from lumenray.engine.sky.solar_position import find_sun
 from lumenray.engine.sky.weather import find_hours, find_middles
 from lumenray.engine.sky.weather_file import read_weather
 from lumenray.engine.sky.weather_mean import find_weather_mean, make_mean_world
-from weather_files import epw, epw_record, sunny_year
 
 CHOSEN = ClockRange((5, 7), (9.0, 17.0))
 

@@ -4,6 +4,8 @@ from datetime import datetime
 
 import numpy as np
 import pytest
+from weather_files import epw, epw_record
+
 from lumenray.engine.errors import SceneError
 from lumenray.engine.scene.light import PerezSky
 from lumenray.engine.sky.air import standard_air
@@ -15,7 +17,6 @@ from lumenray.engine.sky.skies import check_sky, with_zenith_luminance, zenith_l
 from lumenray.engine.sky.weather import find_hours
 from lumenray.engine.sky.weather_file import read_weather
 from lumenray.engine.sky.weather_moment import find_weather_moment
-from weather_files import epw, epw_record
 
 
 @pytest.fixture

@@ -7,6 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from baking_rooms import bake_in, furnished_room, lamp
+from small_scenes import paint, quad, session_of
+
 from lumenray.engine import device_trial, llvm
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.errors import BackendError
@@ -16,7 +18,6 @@ from lumenray.engine.scene.material import Coated, Dielectric, Diffuse, Glossy, 
 from lumenray.engine.scene.spectrum import Constant, Rgb
 from lumenray.engine.transport import backend, device_check, devices
 from lumenray.engine.views import ViewSettings
-from small_scenes import paint, quad, session_of
 
 
 @pytest.fixture(autouse=True)

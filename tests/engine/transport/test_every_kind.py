@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 from every_kind import LIGHTS, SURFACES, room_with
+from small_scenes import session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.baking.order import BakeOrder
 from lumenray.engine.scene.camera import Camera, Projection
 from lumenray.engine.views import ViewSettings
-from small_scenes import session_of
 
 pytestmark = pytest.mark.mitsuba
 

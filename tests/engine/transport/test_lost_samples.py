@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from baking_rooms import bake, furnished_room, lamp
 from glass_scenes import GLASS, ball, point
+from small_scenes import paint, quad, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.camera import Camera, Projection
 from lumenray.engine.scene.scene import SceneDelta
 from lumenray.engine.session import Session
 from lumenray.engine.views import ViewSettings
-from small_scenes import paint, quad, session_of
 
 pytestmark = pytest.mark.mitsuba
 

@@ -5,16 +5,6 @@ import time
 
 import numpy as np
 import pytest
-from lumenray.engine import kernel_cache
-from lumenray.engine.accuracy.stopping import StopRule
-from lumenray.engine.baking.order import BakeOrder
-from lumenray.engine.errors import Cancelled, CodecError, EngineFault, EngineLost, SceneError
-from lumenray.engine.requirements.decision import Asked
-from lumenray.engine.scene.modelling import Modelling, Switch
-from lumenray.engine.scene.scene import SceneDelta
-from lumenray.engine.scene.sensor import SensorSet
-from lumenray.engine.views import Display, ViewSettings
-from lumenray.engine.worker.client import Worker
 from small_scenes import session_of
 from workers import (
     AT_ONCE,
@@ -31,6 +21,17 @@ from workers import (
     wait_for,
     watch,
 )
+
+from lumenray.engine import kernel_cache
+from lumenray.engine.accuracy.stopping import StopRule
+from lumenray.engine.baking.order import BakeOrder
+from lumenray.engine.errors import Cancelled, CodecError, EngineFault, EngineLost, SceneError
+from lumenray.engine.requirements.decision import Asked
+from lumenray.engine.scene.modelling import Modelling, Switch
+from lumenray.engine.scene.scene import SceneDelta
+from lumenray.engine.scene.sensor import SensorSet
+from lumenray.engine.views import Display, ViewSettings
+from lumenray.engine.worker.client import Worker
 
 
 @pytest.fixture(scope="module")

@@ -13,6 +13,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from workers import open_files, room, shared_memory
+
 from lumenray.engine.accuracy.stopping import Progress, StopRule
 from lumenray.engine.errors import CodecError, FileFormatError, LumenrayError
 from lumenray.engine.scene.camera import Projection
@@ -23,7 +25,6 @@ from lumenray.engine.scene.spectrum import Rgb, Tabulated
 from lumenray.engine.scene.texture import ImageTexture
 from lumenray.engine.views import Display, DisplayMode
 from lumenray.engine.worker import channel, codec, faults, memory
-from workers import open_files, room, shared_memory
 
 
 def block_of(parts, size):

@@ -11,12 +11,6 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
-from lumenray.engine.accuracy.stopping import StopRule
-from lumenray.engine.baking.order import BakeOrder
-from lumenray.engine.errors import BackendError, Cancelled, EngineFault, EngineLost
-from lumenray.engine.scene.scene import SceneDelta
-from lumenray.engine.views import Display, ViewSettings
-from lumenray.engine.worker.client import Worker
 from small_scenes import session_of
 from worker_fakes import BUSY
 from workers import (
@@ -34,6 +28,13 @@ from workers import (
     wait_for,
     watch,
 )
+
+from lumenray.engine.accuracy.stopping import StopRule
+from lumenray.engine.baking.order import BakeOrder
+from lumenray.engine.errors import BackendError, Cancelled, EngineFault, EngineLost
+from lumenray.engine.scene.scene import SceneDelta
+from lumenray.engine.views import Display, ViewSettings
+from lumenray.engine.worker.client import Worker
 
 AGAIN = "start again: the scene is sent anew, nothing is lost"
 

@@ -10,13 +10,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from lumenray.engine.accuracy.stopping import StopRule
-from lumenray.engine.errors import EngineLost
-from lumenray.engine.scene.scene import SceneDelta
-from lumenray.engine.scene.sensor import SensorSet
-from lumenray.engine.worker import faults
-from lumenray.engine.worker.client import Worker
-from lumenray.engine.worker.process import Process
 from workers import (
     AT_ONCE,
     ROOT,
@@ -28,6 +21,14 @@ from workers import (
     open_files,
     wait_for,
 )
+
+from lumenray.engine.accuracy.stopping import StopRule
+from lumenray.engine.errors import EngineLost
+from lumenray.engine.scene.scene import SceneDelta
+from lumenray.engine.scene.sensor import SensorSet
+from lumenray.engine.worker import faults
+from lumenray.engine.worker.client import Worker
+from lumenray.engine.worker.process import Process
 
 
 def test_a_worker_starts_fast_and_ends_without_a_trace():

@@ -2,8 +2,9 @@
 
 import time
 
-from lumenray.engine.scene.scene import SceneDelta
 from workers import begun, events, live, measure, open_files, room, wait_for, watch
+
+from lumenray.engine.scene.scene import SceneDelta
 
 
 def test_a_live_view_goes_on_to_its_end(worker):

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from blender_objects import add_light
 from conversion import converted_scene, measure_light
+
 from lumenray.engine.session import Session
 
 pytestmark = pytest.mark.usefixtures("extension")

@@ -5,14 +5,15 @@ import os
 import bpy
 import numpy as np
 import pytest
+from mathutils import Euler, Matrix, Vector
+from photometric_files import write_ies
+
 from lumenray.blender_addon.foundation.report import ConversionReport, Severity
 from lumenray.blender_addon.sync.lights.lights import convert_light
 from lumenray.engine.luminaires.distribution import flux, intensity
 from lumenray.engine.photometry.units import BLENDER_EFFICACY
 from lumenray.engine.scene.light import Luminaire, PointLight
 from lumenray.engine.scene.spectrum import Illuminant, Rgb
-from mathutils import Euler, Matrix, Vector
-from photometric_files import write_ies
 
 PIXELS = 16
 SIDE = 2.0

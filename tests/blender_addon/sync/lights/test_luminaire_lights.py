@@ -7,6 +7,9 @@ import numpy as np
 import pytest
 from blender_luminaires import add_luminaire, candelas
 from conversion import converted_light
+from mathutils import Euler, Matrix
+from photometric_files import EVEN, FOUR, FULL_FLUX, SIDEWAYS, write_ies
+
 from lumenray.blender_addon.luminaires.settings import settings_of
 from lumenray.blender_addon.sync.scene import convert_scene
 from lumenray.engine.accuracy.stopping import StopRule
@@ -14,8 +17,6 @@ from lumenray.engine.scene.light import Luminaire, PointLight, Quantity
 from lumenray.engine.scene.scene import content_digest
 from lumenray.engine.scene.spectrum import Blackbody, Illuminant, Rgb
 from lumenray.engine.session import Session
-from mathutils import Euler, Matrix
-from photometric_files import EVEN, FOUR, FULL_FLUX, SIDEWAYS, write_ies
 
 pytestmark = pytest.mark.usefixtures("extension")
 

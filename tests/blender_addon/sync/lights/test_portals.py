@@ -8,6 +8,7 @@ from blender_objects import needs_cycles
 from blender_skies import add_portal, measure_sky
 from conversion import converted_scene
 from kept_scenes import KeptScene
+
 from lumenray.engine.scene.material import Transparent
 from lumenray.engine.scene.scene import Scene
 

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from blender_objects import add_light
 from conversion import converted_light, error_messages, measure_light
+
 from lumenray.engine.luminaires.distribution import flux, intensity
 from lumenray.engine.photometry.spectra import (
     GRID,

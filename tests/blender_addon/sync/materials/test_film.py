@@ -1,6 +1,7 @@
 """Thin films of the Principled, Glass and Metallic BSDF."""
 
 import pytest
+
 from lumenray.engine.scene.film import Film
 from lumenray.engine.scene.material import Coated, Dielectric, Glossy
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lumenray.engine.scene.material import Coated, Glossy, Grain
 from lumenray.engine.scene.texture import ImageTexture
 

@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 from blender_scattering import add_paint, matt
 from conversion import converted_material, error_messages
+from panels import context, draw, interface
+
 from lumenray.blender_addon.file_assets.kind import NotReadyError
 from lumenray.blender_addon.file_assets.places import Library
 from lumenray.blender_addon.foundation.report import ConversionReport, Severity
@@ -23,7 +25,6 @@ from lumenray.engine.scene.material import Diffuse, Measured
 from lumenray.engine.scene.scene import Scene
 from lumenray.engine.scene.spectrum import Constant
 from lumenray.libraries import materials as library
-from panels import context, draw, interface
 
 pytestmark = pytest.mark.usefixtures("extension")
 

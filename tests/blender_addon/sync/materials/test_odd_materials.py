@@ -6,6 +6,7 @@ from pathlib import Path
 import bpy
 import pytest
 from conversion import messages_of
+
 from lumenray.blender_addon.sync.materials.materials import default_material
 from lumenray.engine.scene.material import Black, Diffuse, Material
 from lumenray.engine.scene.spectrum import Constant

@@ -4,6 +4,7 @@ import bpy
 import cgats_files
 import pytest
 from conversion import messages_of, rgb_of
+
 from lumenray.engine.scene.material import (
     Black,
     Cauchy,

@@ -5,6 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from conversion import messages_of, rgb_of
+from material_trees import EFFICACY, add_image
+
 from lumenray.blender_addon.foundation.report import ConversionReport
 from lumenray.blender_addon.sync.materials.principled import convert_principled
 from lumenray.blender_addon.sync.nodes.evaluation import Context, Inputs
@@ -22,7 +24,6 @@ from lumenray.engine.scene.material import (
     Varnish,
 )
 from lumenray.engine.scene.spectrum import Constant
-from material_trees import EFFICACY, add_image
 
 pytestmark = pytest.mark.blender
 

@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 from conversion import messages_of
+from material_trees import EFFICACY, add_image
+
 from lumenray.blender_addon.foundation.report import ConversionReport
 from lumenray.blender_addon.sync.materials.materials import convert_material
 from lumenray.engine.scene.material import Dielectric, Diffuse, Glossy, Mix, Raised
 from lumenray.engine.scene.relief import Axes, Heights, Normals
 from lumenray.engine.scene.scene import content_digest
-from material_trees import EFFICACY, add_image
 
 pytestmark = pytest.mark.blender
 

@@ -4,6 +4,8 @@ import bpy
 import numpy as np
 import pytest
 from conversion import messages_of, rgb_of
+from material_trees import EFFICACY, add_image
+
 from lumenray.engine.scene.material import (
     Black,
     Blend,
@@ -16,7 +18,6 @@ from lumenray.engine.scene.material import (
 )
 from lumenray.engine.scene.spectrum import Blackbody, Constant, Illuminant
 from lumenray.engine.scene.texture import ImageTexture
-from material_trees import EFFICACY, add_image
 
 pytestmark = pytest.mark.blender
 

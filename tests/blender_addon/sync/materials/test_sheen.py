@@ -1,6 +1,7 @@
 """Sheen of the Principled BSDF and the Sheen BSDF."""
 
 import pytest
+
 from lumenray.engine.scene.material import Black, Coated, Glossy, Mix, Sheen, Varnish
 from lumenray.engine.scene.spectrum import Constant, Rgb
 from lumenray.engine.scene.texture import ImageTexture

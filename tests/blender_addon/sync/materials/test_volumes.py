@@ -4,12 +4,13 @@ import bpy
 import numpy as np
 import pytest
 from conversion import converted_scene, rgb_of
+from material_trees import EFFICACY, new_tree
+
 from lumenray.blender_addon.assumptions import refuse_media
 from lumenray.blender_addon.foundation.report import ConversionReport
 from lumenray.blender_addon.sync.materials.materials import convert_material
 from lumenray.engine.errors import SceneError
 from lumenray.engine.scene.material import Dielectric, Material, Raised
-from material_trees import EFFICACY, new_tree
 
 pytestmark = pytest.mark.blender
 

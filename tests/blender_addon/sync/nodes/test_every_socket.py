@@ -9,10 +9,11 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 import pytest
+from material_trees import new_tree
+
 from lumenray.blender_addon.foundation.report import ConversionReport
 from lumenray.blender_addon.sync.materials.materials import convert_material
 from lumenray.engine.scene.scene import content_digest
-from material_trees import new_tree
 
 pytestmark = pytest.mark.blender
 

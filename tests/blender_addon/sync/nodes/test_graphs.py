@@ -3,11 +3,12 @@
 import bpy
 import numpy as np
 import pytest
+from material_trees import PIXELS, add_texture, evaluate, noise_image
+
 from lumenray.blender_addon.foundation.report import ConversionReport
 from lumenray.blender_addon.sync.nodes import fields
 from lumenray.blender_addon.sync.nodes.evaluation import Context, evaluate_field
 from lumenray.engine.scene.spectrum import Constant, Rgb
-from material_trees import PIXELS, add_texture, evaluate, noise_image
 
 pytestmark = pytest.mark.blender
 

@@ -5,12 +5,13 @@ import re
 import bpy
 import numpy as np
 import pytest
+from material_trees import PIXELS, add_image, add_texture, evaluate, noise_image
+
 from lumenray.blender_addon.foundation.report import ConversionReport
 from lumenray.blender_addon.sync.images.pixels import decode_srgb
 from lumenray.blender_addon.sync.nodes import fields
 from lumenray.blender_addon.sync.nodes.evaluation import Context, evaluate_field
 from lumenray.engine.scene.texture import ImageTexture
-from material_trees import PIXELS, add_image, add_texture, evaluate, noise_image
 
 pytestmark = pytest.mark.blender
 

@@ -6,11 +6,12 @@ from itertools import product
 import bpy
 import numpy as np
 import pytest
+from material_trees import PIXELS, add_image, add_texture, evaluate, noise_image, output_of
+
 from lumenray.blender_addon.foundation.report import ConversionReport
 from lumenray.blender_addon.sync.images.cache import ImageCache
 from lumenray.blender_addon.sync.nodes import fields
 from lumenray.blender_addon.sync.nodes.evaluation import Context, evaluate_field
-from material_trees import PIXELS, add_image, add_texture, evaluate, noise_image, output_of
 
 pytestmark = pytest.mark.blender
 

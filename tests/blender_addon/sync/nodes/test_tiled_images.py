@@ -5,11 +5,12 @@ import os
 import bpy
 import numpy as np
 import pytest
+from material_trees import add_texture, evaluate, noise_image
+
 from lumenray.blender_addon.sync.images import tiled
 from lumenray.blender_addon.sync.images.cache import ImageCache
 from lumenray.blender_addon.sync.nodes import fields, tiles
 from lumenray.engine.scene.texture import Tile
-from material_trees import add_texture, evaluate, noise_image
 
 pytestmark = pytest.mark.blender
 

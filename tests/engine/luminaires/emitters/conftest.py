@@ -1,6 +1,7 @@
 """Fixtures of the tests of luminaires inside kernels."""
 
 import pytest
+
 from lumenray.engine.transport import backend
 
 

@@ -3,10 +3,6 @@
 import numpy as np
 import pytest
 from device_values import LANES, SIGNIFICANCE, from_device, number, random_points, vectors
-from lumenray.engine.errors import SceneError
-from lumenray.engine.luminaires import distribution as host
-from lumenray.engine.scene.distribution import IntensityDistribution
-from lumenray.engine.transport import backend
 from luminaires import (
     DISTRIBUTIONS,
     bin_fluxes,
@@ -16,6 +12,11 @@ from luminaires import (
     intensity,
     quantile_edges,
 )
+
+from lumenray.engine.errors import SceneError
+from lumenray.engine.luminaires import distribution as host
+from lumenray.engine.scene.distribution import IntensityDistribution
+from lumenray.engine.transport import backend
 
 pytestmark = [pytest.mark.mitsuba, pytest.mark.usefixtures("mono")]
 

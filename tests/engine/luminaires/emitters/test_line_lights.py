@@ -5,12 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from baking_rooms import bake_in
+from small_scenes import box, paint, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.errors import SceneError
 from lumenray.engine.scene.light import LineLight, Output, Quantity
 from lumenray.engine.scene.scene import SceneDelta
 from lumenray.engine.session import Session
-from small_scenes import box, paint, session_of
 
 pytestmark = pytest.mark.mitsuba
 
@@ -129,6 +130,7 @@ def test_the_density_of_places_integrates_to_1():
     """Over the part that a receiver sees, by places that are drawn evenly over the whole tube."""
     import drjit as dr
     import mitsuba as mi
+
     from lumenray.engine.luminaires.emitters.tubes import find_tube_density
     from lumenray.engine.transport import backend
 

@@ -5,12 +5,13 @@ import re
 
 import numpy as np
 import pytest
+from luminaires import OPENINGS, luminaire
+from small_scenes import session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.errors import SceneError
 from lumenray.engine.scene.distribution import Opening
 from lumenray.engine.scene.scene import SceneDelta
-from luminaires import OPENINGS, luminaire
-from small_scenes import session_of
 
 pytestmark = [pytest.mark.mitsuba, pytest.mark.usefixtures("mono")]
 

@@ -4,6 +4,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from luminaires import DISTRIBUTIONS, OPENINGS, frame_of, luminaire, turn
+from small_scenes import paint, quad, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.camera import Camera, Projection
 from lumenray.engine.scene.distribution import Opening
@@ -13,8 +16,6 @@ from lumenray.engine.scene.spectrum import Blackbody, Constant
 from lumenray.engine.session import Session
 from lumenray.engine.views import Display, LiveSettings
 from lumenray.engine.worker import codec
-from luminaires import DISTRIBUTIONS, OPENINGS, frame_of, luminaire, turn
-from small_scenes import paint, quad, session_of
 
 pytestmark = pytest.mark.mitsuba
 

@@ -4,14 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from lumenray.engine.accuracy.stopping import StopRule
-from lumenray.engine.scene.camera import Camera, Projection
-from lumenray.engine.scene.distribution import Opening
-from lumenray.engine.scene.light import AreaLight, Output, Quantity
-from lumenray.engine.scene.material import Conductor, Material
-from lumenray.engine.scene.scene import SceneDelta
-from lumenray.engine.scene.spectrum import Blackbody, Rgb
-from lumenray.engine.views import ViewSettings
 from luminaires import (
     DISTRIBUTIONS,
     OPENINGS,
@@ -25,6 +17,15 @@ from luminaires import (
     turn,
 )
 from small_scenes import quad, session_of
+
+from lumenray.engine.accuracy.stopping import StopRule
+from lumenray.engine.scene.camera import Camera, Projection
+from lumenray.engine.scene.distribution import Opening
+from lumenray.engine.scene.light import AreaLight, Output, Quantity
+from lumenray.engine.scene.material import Conductor, Material
+from lumenray.engine.scene.scene import SceneDelta
+from lumenray.engine.scene.spectrum import Blackbody, Rgb
+from lumenray.engine.views import ViewSettings
 
 pytestmark = [pytest.mark.mitsuba, pytest.mark.validation]
 

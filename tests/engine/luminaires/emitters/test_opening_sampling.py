@@ -3,8 +3,6 @@
 import numpy as np
 import pytest
 from device_values import LANES, SIGNIFICANCE, from_device, number, random_points, vectors
-from lumenray.engine.scene.distribution import SHAPES, Opening
-from lumenray.engine.transport import backend
 from luminaire_palettes import CENTRE, interaction, palette_of, visible
 from luminaires import (
     DISTRIBUTIONS,
@@ -19,6 +17,9 @@ from luminaires import (
     shown_area,
     turn,
 )
+
+from lumenray.engine.scene.distribution import SHAPES, Opening
+from lumenray.engine.transport import backend
 
 pytestmark = [pytest.mark.mitsuba, pytest.mark.usefixtures("mono")]
 
@@ -138,6 +139,7 @@ def test_points_of_an_opening_are_drawn_with_the_stated_density(palette, row):
 def test_what_an_opening_shows_is_its_silhouette(name):
     import drjit as dr
     import mitsuba as mi
+
     from lumenray.engine.luminaires.emitters.opening_sampling import projected_area
 
     opening = OPENINGS[name]

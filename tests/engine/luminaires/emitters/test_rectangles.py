@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
+from scipy import integrate, stats
+from small_scenes import quad, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.light import AreaLight, Output, Quantity
 from lumenray.engine.scene.material import Black, Emission, Material
-from scipy import integrate, stats
-from small_scenes import quad, session_of
 
 pytestmark = [pytest.mark.mitsuba, pytest.mark.usefixtures("mono")]
 
@@ -49,6 +50,7 @@ def solid_angles(half, q):
 def draw(half, q):
     """Points on a rectangle, -1 to 1, and its solid angle as found. (DRAWN, 2), [sr]"""
     import mitsuba as mi
+
     from lumenray.engine.arrays import upload
     from lumenray.engine.luminaires.emitters.rectangles import draw_place, find_solid_angle
 

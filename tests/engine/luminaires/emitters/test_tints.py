@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from small_scenes import session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.errors import SceneError
 from lumenray.engine.luminaires.distribution import flux
@@ -15,7 +17,6 @@ from lumenray.engine.scene.distribution import IntensityDistribution
 from lumenray.engine.scene.light import Luminaire, Output, Quantity
 from lumenray.engine.scene.spectrum import Illuminant, Rgb
 from lumenray.engine.transport import backend
-from small_scenes import session_of
 
 pytestmark = pytest.mark.mitsuba
 
@@ -44,6 +45,7 @@ def towards(azimuth, polar):
 def test_light_of_a_direction_has_the_spectrum_of_its_colour_and_its_amount():
     import drjit as dr
     import mitsuba as mi
+
     from lumenray.engine.luminaires.emitters.palette import LuminairePalette
 
     backend.start(True)

@@ -14,6 +14,7 @@ from eulumdat_files import (
     small,
 )
 from folders import WILD
+
 from lumenray.engine.errors import FileFormatError
 from lumenray.engine.luminaires.direct_ratios import ROOM_INDICES, direct_ratios
 from lumenray.engine.luminaires.distribution import flux, intensity

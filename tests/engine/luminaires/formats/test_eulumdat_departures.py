@@ -13,6 +13,7 @@ from eulumdat_files import (
     remarks_of,
     small,
 )
+
 from lumenray.engine.errors import FileFormatError
 from lumenray.engine.luminaires.distribution import flux, intensity
 from lumenray.engine.luminaires.formats.eulumdat.reader import parse_eulumdat

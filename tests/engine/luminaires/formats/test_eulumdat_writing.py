@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from eulumdat_files import DIRECTIONS, NAMES
+
 from lumenray.engine.errors import LumenrayError
 from lumenray.engine.luminaires.coordinates import FRAMES, directions
 from lumenray.engine.luminaires.distribution import flux, intensity, mirrored, turned

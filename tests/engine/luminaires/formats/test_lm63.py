@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from folders import WILD
 from lm63_files import FIRST_LINES, HEAD_2002, candela, made, parsed, words
+
 from lumenray.engine.errors import FileFormatError
 from lumenray.engine.luminaires.distribution import flux, intensity, turned
 from lumenray.engine.luminaires.formats.lm63.reader import GENERATION_TYPE

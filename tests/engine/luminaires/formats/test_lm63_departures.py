@@ -7,6 +7,7 @@ import time
 import numpy as np
 import pytest
 from lm63_files import FIRST_LINES, HEAD_2002, PLAIN, candela, made, parsed, words
+
 from lumenray.engine.errors import FileFormatError
 from lumenray.engine.luminaires.distribution import flux
 from lumenray.engine.luminaires.formats.lm63.writer import write_lm63

@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pytest
 from lm63_files import FIRST_LINES, made, parsed, words
+
 from lumenray.engine.scene.distribution import Opening
 
 OPENINGS = {

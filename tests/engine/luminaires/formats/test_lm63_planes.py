@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 from lm63_files import FIRST_LINES, HORIZONTAL, VERTICAL, candela, made, parsed, table_ab, words
+
 from lumenray.engine.luminaires.distribution import intensity
 
 

@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from lm63_files import FIRST_LINES, HORIZONTAL, PLAIN, VERTICAL, made, parsed, table_ab
+
 from lumenray.engine.errors import LumenrayError
 from lumenray.engine.luminaires.distribution import flux, intensity, mirrored, turned
 from lumenray.engine.luminaires.formats.lm63.writer import write_lm63

@@ -7,6 +7,7 @@ from io import BytesIO
 import numpy as np
 import pytest
 from folders import WILD
+
 from lumenray.engine.errors import FileFormatError, LumenrayError
 from lumenray.engine.luminaires.coordinates import directions
 from lumenray.engine.luminaires.distribution import flux, intensity

@@ -5,6 +5,8 @@ import json
 import numpy as np
 import pytest
 from folders import WILD
+from photometric_files import write_ies
+
 from lumenray.command_line import main as command_line
 from lumenray.engine.errors import FileFormatError, LumenrayError
 from lumenray.engine.luminaires.distribution import flux
@@ -17,7 +19,6 @@ from lumenray.engine.luminaires.formats.record import LUMINOUS, RADIANT
 from lumenray.engine.luminaires.lamp_spectrum import choose_spectrum
 from lumenray.engine.photometry.spectra import efficacy_of_all, efficacy_of_table
 from lumenray.engine.scene.spectrum import Constant, Tabulated
-from photometric_files import write_ies
 
 DATA = WILD / "ies"
 

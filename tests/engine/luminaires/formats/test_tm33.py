@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 from folders import WILD
+from tm33_files import UNIFORM, at_45, emitter, grid, luminous, parsed, refused, spectral
+
 from lumenray.engine.luminaires.distribution import flux, intensity
 from lumenray.engine.luminaires.formats.reader import read_luminaire
 from lumenray.engine.scene.distribution import Opening
-from tm33_files import UNIFORM, at_45, emitter, grid, luminous, parsed, refused, spectral
 
 DATA = WILD / "ies" / "tm33"
 

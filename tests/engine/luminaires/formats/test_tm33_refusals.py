@@ -1,9 +1,10 @@
 """TM-33 documents that are refused, with their line."""
 
 import pytest
+from tm33_files import FINE, FLAT, UNIFORM, document, emitter, grid, luminous, refused, spectral
+
 from lumenray.engine.errors import FileFormatError
 from lumenray.engine.luminaires.formats.tm33.reader import parse_tm33
-from tm33_files import FINE, FLAT, UNIFORM, document, emitter, grid, luminous, refused, spectral
 
 ROWS = grid({0: 10, 45: 20, 90: 30})
 

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from lumenray.engine.luminaires.distribution import flux
 from tm33_files import (
     FINE,
     FLAT,
@@ -15,6 +14,8 @@ from tm33_files import (
     refused,
     spectral,
 )
+
+from lumenray.engine.luminaires.distribution import flux
 
 K_M = 683.002
 """[lm/W]"""

@@ -5,6 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scattering_models import directions, ggx, lambert, random_table, schlick, towards
+
 from lumenray.engine.errors import FileFormatError, SceneError
 from lumenray.engine.materials.facets import COSINES, directional_reflectance
 from lumenray.engine.scattering.data import store
@@ -22,7 +24,6 @@ from lumenray.engine.scattering.data.table import (
     rotations_around,
 )
 from lumenray.engine.scene.material import Measured
-from scattering_models import directions, ggx, lambert, random_table, schlick, towards
 
 
 def test_coordinates_and_directions_undo_each_other():

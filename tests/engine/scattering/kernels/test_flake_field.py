@@ -5,6 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from device_values import upload, vectors
+from scattering_models import lambert
+
 from lumenray.engine.errors import SceneError
 from lumenray.engine.scattering.data.flake_field import lay_out
 from lumenray.engine.scattering.data.resampling import resample
@@ -12,7 +14,6 @@ from lumenray.engine.scattering.data.surface import usable
 from lumenray.engine.scene.material import Measured
 from lumenray.engine.scene.scattering import Sparkle
 from lumenray.engine.transport import backend
-from scattering_models import lambert
 
 pytestmark = pytest.mark.mitsuba
 
@@ -65,6 +66,7 @@ def light_for(wi, slope, index):
 def field(sparkle, si, slope=0.0, number=0):
     import drjit as dr
     import mitsuba as mi
+
     from lumenray.engine.scattering.kernels.flake_field import Eyed, FlakeField
 
     ways = upload(np.tile(np.vstack([np.eye(3), np.zeros(3)]), (64, 1, 1)).ravel())
@@ -132,6 +134,7 @@ def test_flakes_stay_where_they_are_as_the_camera_moves():
 
 def test_where_no_camera_looks_the_table_counts(one_by_one):
     import mitsuba as mi
+
     from lumenray.engine.materials import plugins as surface_plugins
     from lumenray.engine.scattering.kernels import plugin as plugins
     from lumenray.engine.transport.compiled.surfaces import bsdf

@@ -6,13 +6,14 @@ from functools import lru_cache
 import numpy as np
 import pytest
 from device_values import vectors
+from scattering_models import directions, ggx, lambert, random_table, schlick, towards
+from scipy import stats
+
 from lumenray.engine.scattering.data.evaluation import albedo, evaluate, total
 from lumenray.engine.scattering.data.resampling import resample
 from lumenray.engine.scene.material import Measured
 from lumenray.engine.scene.scattering import ScatterTable
 from lumenray.engine.transport import backend
-from scattering_models import directions, ggx, lambert, random_table, schlick, towards
-from scipy import stats
 
 pytestmark = pytest.mark.mitsuba
 
@@ -93,6 +94,7 @@ SURFACES = {
 @pytest.mark.slow
 def test_kernels_give_the_values_of_the_table(name):
     import mitsuba as mi
+
     from lumenray.engine.scattering.data.surface import usable
 
     surface = SURFACES[name]()
@@ -216,6 +218,7 @@ def test_mirror_and_straight_parts_are_drawn_with_their_shares():
 @pytest.mark.parametrize("kind", ["fine bins", "coarse bins", "one interval", "two intervals"])
 def test_places_on_axes_are_those_of_a_search(kind):
     import mitsuba as mi
+
     from lumenray.engine.scattering.data.table import place_on
     from lumenray.engine.scattering.kernels.table_lobe import MOST_BINS, Axis
 
@@ -299,6 +302,7 @@ def test_pictures_are_those_of_the_analytic_model(name):
 @pytest.mark.slow
 def test_pictures_by_an_rgl_file_are_those_of_mitsubas_own_reader(tmp_path):
     import mitsuba as mi
+
     from lumenray.engine.scattering.readers.reader import Wish, read_scattering
     from lumenray.engine.scattering.readers.tensor_file import write_tensor_file
 
@@ -408,11 +412,12 @@ def test_the_reflectance_of_exitance_maps_has_the_colour_of_the_data():
 
 def test_another_kind_of_data_for_a_surface_that_is_there_counts_in_full():
     """From a mirror to a matt table by an edit: what next-event estimation asks must not be that of the mirror."""
+    from small_scenes import quad, session_of
+
     from lumenray.engine.accuracy.stopping import StopRule
     from lumenray.engine.scene.light import Output, PointLight, Quantity
     from lumenray.engine.scene.material import Material
     from lumenray.engine.scene.scene import SceneDelta
-    from small_scenes import quad, session_of
 
     matt = resample(lambert(0.5), [550.0])
     mirror = replace(

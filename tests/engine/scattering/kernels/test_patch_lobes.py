@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from device_values import vectors
+
 from lumenray.engine.scattering.data.patches import albedos, evaluate_patches, patch_of
 from lumenray.engine.scattering.data.tree import (
     albedos_of_tree,

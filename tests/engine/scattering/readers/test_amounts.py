@@ -3,14 +3,6 @@
 import numpy as np
 import pytest
 import scattering_files
-from lumenray.engine.scattering.data.evaluation import total
-from lumenray.engine.scattering.data.table import (
-    albedo_of,
-    direct_share,
-    direction_of,
-    evaluate_table,
-)
-from lumenray.engine.scattering.readers.reader import Wish, parse_scattering
 from scattering_files import (
     SHARES,
     anisotropic,
@@ -25,6 +17,15 @@ from scattering_files import (
 )
 from scattering_models import towards
 from scattering_readings import assert_same, front_of, pairs, read_back, told
+
+from lumenray.engine.scattering.data.evaluation import total
+from lumenray.engine.scattering.data.table import (
+    albedo_of,
+    direct_share,
+    direction_of,
+    evaluate_table,
+)
+from lumenray.engine.scattering.readers.reader import Wish, parse_scattering
 
 
 def test_zemax_blocks_are_scaled_to_their_totals():

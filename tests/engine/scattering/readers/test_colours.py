@@ -1,12 +1,13 @@
 """Spectra from the colours of scattering files."""
 
 import numpy as np
+from scattering_files import mdl
+from scattering_readings import read_back, told
+
 from lumenray.engine.photometry.colour import XYZ_TO_REC709
 from lumenray.engine.photometry.spectra import GRID, illuminant, observer
 from lumenray.engine.scattering.data.evaluation import total
 from lumenray.engine.scattering.readers.colour import spectra_of_rgb
-from scattering_files import mdl
-from scattering_readings import read_back, told
 
 
 def test_colours_come_back_under_daylight():

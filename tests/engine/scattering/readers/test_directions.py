@@ -2,8 +2,6 @@
 
 import numpy as np
 import pytest
-from lumenray.engine.scattering.data.evaluation import total
-from lumenray.engine.scattering.data.table import albedo_of, evaluate_table
 from scattering_files import (
     alike,
     anisotropic,
@@ -17,6 +15,9 @@ from scattering_files import (
 )
 from scattering_models import towards
 from scattering_readings import assert_same, front_of, read_back, told
+
+from lumenray.engine.scattering.data.evaluation import total
+from lumenray.engine.scattering.data.table import albedo_of, evaluate_table
 
 
 def test_zemax_values_are_for_the_directions_that_its_formula_states():

@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from folders import ROOT, WILD
 from goniometer_files import COLOURS, about_mirror, about_normal, e1392, grid, in_plane, lobe, write
+from scattering_models import towards
+
 from lumenray.engine.errors import FileFormatError
 from lumenray.engine.scattering.data.evaluation import albedo, evaluate
 from lumenray.engine.scattering.data.table import check_table, direction_of
@@ -14,7 +16,6 @@ from lumenray.engine.scattering.measuring.raw_measurement import (
     read_raw_measurement,
 )
 from lumenray.engine.scattering.readers.goniometer import is_goniometer, read_goniometer
-from scattering_models import towards
 
 REAL = WILD / "bsdf" / "brdf_2D_data.csv"
 

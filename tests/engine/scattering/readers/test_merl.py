@@ -5,6 +5,8 @@ import struct
 
 import numpy as np
 import pytest
+from scattering_models import directions
+
 from lumenray.engine.errors import FileFormatError
 from lumenray.engine.scattering.data.evaluation import albedo, evaluate
 from lumenray.engine.scattering.readers.merl import (
@@ -17,7 +19,6 @@ from lumenray.engine.scattering.readers.merl import (
     parse_merl,
     read_merl,
 )
-from scattering_models import directions
 
 SCALES = 1.0 / 1500.0, 1.15 / 1500.0, 1.66 / 1500.0
 

@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 from folders import WILD
+from scattering_models import towards
+from scattering_readings import read_back, told
+
 from lumenray.engine.errors import FileFormatError
 from lumenray.engine.scattering.data.evaluation import total
 from lumenray.engine.scattering.data.table import albedo_of, direction_of, evaluate_table
 from lumenray.engine.scattering.readers.speos import read_speos
-from scattering_models import towards
-from scattering_readings import read_back, told
 
 DATA = WILD / "bsdf"
 

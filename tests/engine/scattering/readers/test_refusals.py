@@ -4,7 +4,6 @@ import struct
 
 import numpy as np
 import pytest
-from lumenray.engine.errors import FileFormatError
 from scattering_files import (
     anisotropic,
     anisotropic_binary,
@@ -20,6 +19,8 @@ from scattering_files import (
     zemax,
 )
 from scattering_readings import read_back
+
+from lumenray.engine.errors import FileFormatError
 
 
 def changed(data: bytes, old: bytes, new: bytes) -> bytes:

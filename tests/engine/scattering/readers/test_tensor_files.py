@@ -4,6 +4,9 @@ import struct
 
 import numpy as np
 import pytest
+from scattering_models import directions
+from tensor_files import measured_like
+
 from lumenray.engine.errors import FileFormatError
 from lumenray.engine.scattering.data.evaluation import albedo, evaluate
 from lumenray.engine.scattering.readers.marginal_warp import MarginalWarp, Slices
@@ -16,8 +19,6 @@ from lumenray.engine.scattering.readers.tensor_file import (
     read_tensor_file,
     write_tensor_file,
 )
-from scattering_models import directions
-from tensor_files import measured_like
 
 PI = np.pi
 

@@ -9,13 +9,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 from folders import WILD
+from scattering_models import directions
+from window_files import HALF_TURN, evaluate_window, read_window, row_towards, shares_sent
+
 from lumenray.engine.errors import FileFormatError
 from lumenray.engine.scattering.data.patches import check_patches
 from lumenray.engine.scattering.data.tree import albedo_of_tree, check_tree
 from lumenray.engine.scattering.readers.window_xml import SIDES, is_window_xml, read_window_xml
 from lumenray.engine.scene.scattering import PatchMatrix
-from scattering_models import directions
-from window_files import HALF_TURN, evaluate_window, read_window, row_towards, shares_sent
 
 DATA = WILD / "bsdf" / "lbnl_xml"
 

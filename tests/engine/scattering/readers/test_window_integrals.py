@@ -4,9 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from window_files import NORMAL, evaluate_window, klems, read_window, row_towards, tree
+
 from lumenray.engine.scattering.data.patches import albedo_of_patches, reciprocity_of, transposed
 from lumenray.engine.scattering.data.tree import albedo_of_tree, disk_of, square_of
-from window_files import NORMAL, evaluate_window, klems, read_window, row_towards, tree
 
 
 def test_the_map_of_disk_and_square_keeps_areas_and_goes_both_ways():

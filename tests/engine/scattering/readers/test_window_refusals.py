@@ -4,10 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from lumenray.engine.errors import FileFormatError, SceneError
-from lumenray.engine.scattering.data.patches import check_patches
-from lumenray.engine.scattering.data.tree import check_tree
-from lumenray.engine.scattering.readers.window_xml import is_window_xml
 from window_files import (
     GRID,
     KLEMS_FULL,
@@ -19,6 +15,11 @@ from window_files import (
     tree,
     window_xml,
 )
+
+from lumenray.engine.errors import FileFormatError, SceneError
+from lumenray.engine.scattering.data.patches import check_patches
+from lumenray.engine.scattering.data.tree import check_tree
+from lumenray.engine.scattering.readers.window_xml import is_window_xml
 
 
 def test_other_files_are_told_apart():

@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
-from lumenray.engine.scattering.data.tree import albedo_of_tree, check_tree, levels_of, raster_of
 from scattering_models import directions
 from window_files import GRID, evaluate_window, read_window, tree
+
+from lumenray.engine.scattering.data.tree import albedo_of_tree, check_tree, levels_of, raster_of
 
 NESTED = " ".join(f"{{ {(k & 1) << 3 | (k & 2) << 1 | (k & 4) >> 1 | k >> 3} }}" for k in range(16))
 """The same with braces: there the first coordinate is the lowest bit of a branch's number."""

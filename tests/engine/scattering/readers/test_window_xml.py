@@ -2,16 +2,6 @@
 
 import numpy as np
 import pytest
-from lumenray.engine.scattering.data.patches import (
-    albedos,
-    centre,
-    check_patches,
-    patch_of,
-    reciprocity_of,
-    solid_angles,
-)
-from lumenray.engine.scattering.data.tree import check_tree
-from lumenray.engine.scattering.readers.window_xml import SIDES
 from scattering_models import directions
 from window_files import (
     HALF_TURN,
@@ -30,6 +20,17 @@ from window_files import (
     tree,
     window_xml,
 )
+
+from lumenray.engine.scattering.data.patches import (
+    albedos,
+    centre,
+    check_patches,
+    patch_of,
+    reciprocity_of,
+    solid_angles,
+)
+from lumenray.engine.scattering.data.tree import check_tree
+from lumenray.engine.scattering.readers.window_xml import SIDES
 
 
 @pytest.mark.parametrize("kind", ["Transmission", "Reflection"])

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lumenray.engine.sky.atmosphere import hosek_wilkie, preetham
 from lumenray.engine.sky.atmosphere.directions import onto_sphere, towards
 
@@ -46,6 +47,7 @@ def test_luminances_are_those_of_mitsubas_sky(elevation, turbidity, albedo):
     backend.start("llvm_ad_spectral")
     import drjit as dr
     import mitsuba as mi
+
     from lumenray.engine.photometry.spectra import GRID, luminous_efficiency
 
     sun = towards(elevation, 0.0)

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lumenray.engine.sky.atmosphere import multiple_scattering, single_scattering
 from lumenray.engine.sky.atmosphere.directions import angle_to, onto_sphere, towards, wrap
 from lumenray.engine.sky.atmosphere.scattered_sky import (

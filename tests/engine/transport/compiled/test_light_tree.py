@@ -4,6 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from luminaires import DISTRIBUTIONS, frame_of, luminaire, turn
+from scipy import stats
+from small_scenes import box, paint, quad, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.distribution import Opening
 from lumenray.engine.scene.light import (
@@ -17,9 +21,6 @@ from lumenray.engine.scene.light import (
 )
 from lumenray.engine.scene.scene import Scene, SceneDelta
 from lumenray.engine.transport import backend
-from luminaires import DISTRIBUTIONS, frame_of, luminaire, turn
-from scipy import stats
-from small_scenes import box, paint, quad, session_of
 
 pytestmark = pytest.mark.mitsuba
 
@@ -85,6 +86,7 @@ def downlights(count, seed=1):
 
 def device_points(scene, points):
     import mitsuba as mi
+
     from lumenray.engine.arrays import upload
 
     local = scene.local(points)

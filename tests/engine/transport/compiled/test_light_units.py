@@ -8,6 +8,8 @@ import math
 
 import numpy as np
 import pytest
+from small_scenes import paint, quad, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.errors import SceneError
 from lumenray.engine.scene.checks import check_item
@@ -22,7 +24,6 @@ from lumenray.engine.scene.light import (
 )
 from lumenray.engine.scene.material import Black, Emission, Material
 from lumenray.engine.scene.spectrum import Blackbody, Constant, Illuminant, Rgb
-from small_scenes import paint, quad, session_of
 
 FLUX = Quantity.LUMINOUS_FLUX
 SPECTRA = [

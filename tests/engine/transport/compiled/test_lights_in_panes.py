@@ -5,6 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from baking_rooms import bake, lumel_places
+from panes import send_on, share, stack_share, tilted_pane, unit, unpolarised
+from small_scenes import box, paint, quad, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.light import Output, PointLight, Quantity, SunLight, UniformWorld
 from lumenray.engine.scene.material import (
@@ -20,8 +23,6 @@ from lumenray.engine.scene.material import (
 )
 from lumenray.engine.scene.scene import SceneDelta
 from lumenray.engine.scene.spectrum import Constant
-from panes import send_on, share, stack_share, tilted_pane, unit, unpolarised
-from small_scenes import box, paint, quad, session_of
 
 pytestmark = pytest.mark.mitsuba
 

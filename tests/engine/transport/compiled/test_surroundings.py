@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.requirements.plan import make_plan
 from lumenray.engine.scene.light import ImageWorld, Output, Quantity, SunLight, UniformWorld

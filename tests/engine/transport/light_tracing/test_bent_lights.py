@@ -6,13 +6,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from glass_scenes import BLACK, GLASS, INDEX, MIRROR, ball, fresnel, point, slab, sun, through_slab
+from small_scenes import box, paint, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.camera import Camera, Projection
 from lumenray.engine.scene.light import Output, PointLight, Quantity
 from lumenray.engine.scene.material import Black, Emission, Material
 from lumenray.engine.scene.spectrum import Constant
 from lumenray.engine.views import ViewSettings
-from small_scenes import box, paint, session_of
 
 pytestmark = pytest.mark.mitsuba
 

@@ -6,14 +6,15 @@ import numpy as np
 import pytest
 from baking_rooms import bake
 from glass_scenes import GLASS, ball, point, slab, sun
+from ray_lamps import lamp_at, lumels_of
+from small_scenes import paint, quad, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.camera import Camera, Projection
 from lumenray.engine.scene.light import Output, Quantity
 from lumenray.engine.scene.material import Glossy, Material, Transparent
 from lumenray.engine.scene.spectrum import Constant
 from lumenray.engine.views import ViewSettings
-from ray_lamps import lamp_at, lumels_of
-from small_scenes import paint, quad, session_of
 
 pytestmark = pytest.mark.mitsuba
 

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 from glass_scenes import BLACK, GLASS, INDEX, ball, fresnel, point, slab
-from lumenray.engine.accuracy.stopping import StopRule
 from small_scenes import session_of
+
+from lumenray.engine.accuracy.stopping import StopRule
 
 pytestmark = pytest.mark.mitsuba
 

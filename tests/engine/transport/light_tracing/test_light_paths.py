@@ -19,6 +19,8 @@ from glass_scenes import (
     sun,
     through_slab,
 )
+from small_scenes import box, paint, quad, session_of
+
 from lumenray.engine.scene.distribution import IntensityDistribution
 from lumenray.engine.scene.light import (
     AreaLight,
@@ -41,7 +43,6 @@ from lumenray.engine.scene.material import (
 )
 from lumenray.engine.scene.mesh import Mesh
 from lumenray.engine.scene.spectrum import Constant, Illuminant
-from small_scenes import box, paint, quad, session_of
 
 pytestmark = pytest.mark.mitsuba
 

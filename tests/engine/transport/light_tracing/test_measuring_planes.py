@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from baking_rooms import bake, lamp, lumel_places, pierced_box
 from glass_scenes import GLASS, ball
+from small_scenes import box, paint, quad, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.baking.order import BakeOrder
 from lumenray.engine.scene.light import Output, Quantity, SunLight
@@ -13,7 +15,6 @@ from lumenray.engine.scene.material import Glossy, Material
 from lumenray.engine.scene.scene import SceneDelta
 from lumenray.engine.scene.spectrum import Constant
 from lumenray.engine.session import Session
-from small_scenes import box, paint, quad, session_of
 
 pytestmark = pytest.mark.mitsuba
 

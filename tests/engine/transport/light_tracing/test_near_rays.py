@@ -5,14 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from baking_rooms import bake
+from ray_lamps import BLACK, exact_disk, floor, lamp_at, lumels_of
+from small_scenes import paint, session_of
+
 from lumenray.benchmarks.raysets.sources import disk, helix, sphere
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.camera import Camera, Projection
 from lumenray.engine.scene.light import Quantity
 from lumenray.engine.scene.sensor import SensorKind
 from lumenray.engine.views import ViewSettings
-from ray_lamps import BLACK, exact_disk, floor, lamp_at, lumels_of
-from small_scenes import paint, session_of
 
 pytestmark = pytest.mark.mitsuba
 

@@ -5,6 +5,20 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from baking_rooms import bake, moved
+from ray_lamps import (
+    BLACK,
+    FLUX,
+    SIZE,
+    WHITE,
+    exact_disk,
+    floor,
+    lamp_at,
+    light_of,
+    lumels_of,
+    rays_of,
+)
+from small_scenes import box, paint, quad, session_of
+
 from lumenray.benchmarks.raysets.sources import disk, helix, sphere
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.errors import SceneError
@@ -22,19 +36,6 @@ from lumenray.engine.scene.material import (
     ThinGlass,
 )
 from lumenray.engine.scene.spectrum import Constant, Lines
-from ray_lamps import (
-    BLACK,
-    FLUX,
-    SIZE,
-    WHITE,
-    exact_disk,
-    floor,
-    lamp_at,
-    light_of,
-    lumels_of,
-    rays_of,
-)
-from small_scenes import box, paint, quad, session_of
 
 # ---- preparation ----
 
@@ -80,6 +81,7 @@ def test_kernels_draw_the_same_rays_as_the_host(source):
 
     backend.start(spectral=False)
     import mitsuba as mi
+
     from lumenray.engine.transport.light_tracing.ray_source import RaySource
 
     rays = rays_of(source, 4000)

@@ -5,11 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from baking_rooms import bake, bake_in, lamp, lumel_places, pierced_box
+from small_scenes import box, paint, quad, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.light import AreaLight, Output, Quantity, SpotLight, SunLight
 from lumenray.engine.scene.material import Glossy, Material, ThinGlass
 from lumenray.engine.scene.spectrum import Constant
-from small_scenes import box, paint, quad, session_of
 
 pytestmark = pytest.mark.mitsuba
 
@@ -368,6 +369,7 @@ def test_rays_that_slip_between_lid_and_wall_are_known_from_those_through_the_ho
     """The lid's edge runs along the wall's, but they share no corners. Processors may let none slip."""
     import drjit as dr
     import mitsuba as mi
+
     from lumenray.engine.arrays import upload
     from lumenray.engine.transport.light_tracing.deposits import (
         fetch_deposits,
@@ -426,6 +428,7 @@ def test_limits_near_luminaires_are_those_of_their_rows():
     session = session_of(paint(0.5), room(), lamp((1.5, 1.5, 1.5)))
     with session._engine("auto"):
         import mitsuba as mi
+
         from lumenray.engine.transport.light_tracing.straight_lights import NearLimits
 
         # All luminaires have the number of the first one until their row is added.

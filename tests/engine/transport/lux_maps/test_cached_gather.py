@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
+from small_scenes import paint, quad, session_of
+
 from lumenray.engine.scene.material import Black, Emission, Material, ThinGlass, Transparent
 from lumenray.engine.scene.spectrum import Constant
 from lumenray.engine.transport import backend
-from small_scenes import paint, quad, session_of
 
 pytestmark = pytest.mark.mitsuba
 
@@ -33,6 +34,7 @@ def look_up(pane, is_exact):
     """Luminance along rays that look up at a pane, ray by ray. (RAYS,) [cd/m2]"""
     import drjit as dr
     import mitsuba as mi
+
     from lumenray.engine.transport.lux_maps.cached_gather import incoming
     from lumenray.engine.transport.lux_maps.cells import CellSet
 

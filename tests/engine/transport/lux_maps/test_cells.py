@@ -6,13 +6,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from baking_rooms import lamp, moved
+from small_scenes import box, paint, quad, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.baking.order import BakeOrder
 from lumenray.engine.scene.light import Output, PointLight, Quantity, UniformWorld
 from lumenray.engine.scene.material import Coated, Emission, Material
 from lumenray.engine.scene.mesh import Mesh
 from lumenray.engine.scene.spectrum import Constant
-from small_scenes import box, paint, quad, session_of
 
 pytestmark = pytest.mark.mitsuba
 
@@ -54,6 +55,7 @@ def centres(cells, compiled):
     """Middles of the points of every side. (sides, 3) [m]"""
     import drjit as dr
     import mitsuba as mi
+
     from lumenray.engine.transport.lux_maps.cell_division import PLACES
 
     sides = dr.arange(mi.UInt32, 2 * cells.count)
@@ -167,6 +169,7 @@ def test_kernels_find_the_same_cells():
     """Corners and borders too; and surfaces at their points are seen from the side that was asked for."""
     import drjit as dr
     import mitsuba as mi
+
     from lumenray.engine.transport.lux_maps.cell_division import PLACES
     from lumenray.engine.transport.lux_maps.cells import CellSet
 
@@ -250,6 +253,7 @@ def test_points_are_even_over_all_triangles_that_share_a_cell():
     """Also of two objects beside divided triangles, and where triangles differ in size."""
     import drjit as dr
     import mitsuba as mi
+
     from lumenray.engine.transport.lux_maps.cells import CellSet
 
     def bent(name, power, height):
@@ -300,6 +304,7 @@ def test_traced_light_lies_where_it_landed_and_keeps_its_flux(middle, radius):
     """Within a cell, across its borders, at the edge that parts two triangles, and spread over all cells."""
     import drjit as dr
     import mitsuba as mi
+
     from lumenray.engine.transport.lux_maps.cells import CellSet
 
     floor = quad("floor", (0, 0, 0), (2, 0, 0), (0, 2, 0), "paint")

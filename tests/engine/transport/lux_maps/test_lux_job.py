@@ -8,6 +8,8 @@ from functools import partial
 import numpy as np
 import pytest
 from baking_rooms import bake, error_ratio, furnished_room, lamp, lumel_places, moved
+from small_scenes import box, paint, quad, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.light import UniformWorld
 from lumenray.engine.scene.material import (
@@ -20,7 +22,6 @@ from lumenray.engine.scene.material import (
     ThinGlass,
 )
 from lumenray.engine.scene.spectrum import Constant, Illuminant, Tabulated
-from small_scenes import box, paint, quad, session_of
 
 pytestmark = pytest.mark.mitsuba
 

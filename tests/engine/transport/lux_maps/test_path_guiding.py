@@ -3,6 +3,9 @@
 import numpy as np
 import pytest
 from baking_rooms import furnished_room, lamp
+from scipy import stats
+from small_scenes import paint, quad, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.baking.order import BakeOrder
 from lumenray.engine.errors import Cancelled
@@ -10,8 +13,6 @@ from lumenray.engine.scene.material import Emission
 from lumenray.engine.scene.scene import SceneDelta
 from lumenray.engine.scene.spectrum import Constant
 from lumenray.engine.session import Session
-from scipy import stats
-from small_scenes import paint, quad, session_of
 
 pytestmark = pytest.mark.mitsuba
 
@@ -40,6 +41,7 @@ def two_tiles():
 
 def aims_of(densities, tile):
     import mitsuba as mi
+
     from lumenray.engine.transport.lux_maps.path_guiding import Aims
 
     return Aims(densities).of_tile(mi.UInt32(tile))

@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
+from small_scenes import box, paint, quad, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.light import AreaLight, Output, PointLight, Quantity, UniformWorld
 from lumenray.engine.scene.material import Coated, Diffuse, Emission, Glossy, Material, Mix
 from lumenray.engine.scene.spectrum import Constant, Rgb
-from small_scenes import box, paint, quad, session_of
 
 PLACES = np.array([[1.0, 1.0, 0.0], [0.3, 0.2, 0.0], [0.9, 0.2, 1.0]])
 UP = np.tile([0.0, 0.0, 1.0], (3, 1))

@@ -4,11 +4,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from small_scenes import paint, quad, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.camera import Camera, Projection
 from lumenray.engine.scene.light import UniformWorld
 from lumenray.engine.views import ViewSettings
-from small_scenes import paint, quad, session_of
 
 pytestmark = pytest.mark.mitsuba
 
@@ -165,6 +166,7 @@ def test_nothing_is_seen_outside_the_circle():
 def opening(count=1 << 14, **more):
     """Points of an aperture of the radius 1. (n, 2)"""
     import mitsuba as mi
+
     from lumenray.engine.transport.paths.aperture import Aperture
 
     camera = Camera(np.eye(4), Projection.PERSPECTIVE, 4, 4, aperture_radius=1.0, **more)
@@ -235,6 +237,7 @@ def test_rays_through_all_of_a_lens_meet_in_focus(name):
 
 def test_places_in_focus_are_seen_at_one_place_by_all_of_an_orthographic_lens():
     import mitsuba as mi
+
     from lumenray.engine.transport.light_tracing.camera_places import CameraPlaces
     from lumenray.engine.transport.paths.sampler import random_stream
 
@@ -334,6 +337,7 @@ def test_outside_the_circle_a_picture_is_black_and_transparent(method):
 def test_another_number_is_no_other_kernel():
     """Clipping, aperture and field are data."""
     import drjit as dr
+
     from lumenray.engine.transport.paths.film import Film
 
     def ptr(camera):

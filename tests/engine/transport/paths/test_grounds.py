@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from small_scenes import paint, quad, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.camera import Camera, Projection
 from lumenray.engine.scene.light import Ground, ImageWorld, Photo, UniformWorld
@@ -12,7 +14,6 @@ from lumenray.engine.scene.scene import SceneDelta
 from lumenray.engine.scene.spectrum import Constant
 from lumenray.engine.scene.texture import ImageTexture
 from lumenray.engine.views import ViewSettings
-from small_scenes import paint, quad, session_of
 
 pytestmark = pytest.mark.mitsuba
 

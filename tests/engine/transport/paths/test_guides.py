@@ -3,12 +3,13 @@
 import numpy as np
 import pytest
 from live_scenes import camera_at
+from small_scenes import paint, quad, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.light import AreaLight, Output, Quantity
 from lumenray.engine.scene.material import Coated, Diffuse, Glossy, Material, ThinGlass
 from lumenray.engine.scene.spectrum import Constant, Rgb
 from lumenray.engine.views import ViewSettings
-from small_scenes import paint, quad, session_of
 
 pytestmark = pytest.mark.mitsuba
 

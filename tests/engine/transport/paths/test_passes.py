@@ -2,15 +2,17 @@
 
 import numpy as np
 import pytest
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.errors import Cancelled
 
 
 def lit_room(width, height):
     """Session with a room and a lamp, and a camera in it."""
+    from small_scenes import box, paint, session_of
+
     from lumenray.engine.scene.camera import Camera, Projection
     from lumenray.engine.scene.light import Output, PointLight, Quantity
-    from small_scenes import box, paint, session_of
 
     frame = np.eye(4)
     frame[:3, 3] = (1.0, 1.0, 1.9)
@@ -69,10 +71,11 @@ def test_a_picture_does_not_end_by_an_error_that_two_samples_tell():
 @pytest.mark.mitsuba
 def test_sensor_jobs_begin_with_short_passes_and_give_the_same_values():
     """So a forecast can be made soon; that samples come in other portions changes nothing but rounding."""
+    from small_scenes import box, paint, quad, session_of
+
     from lumenray.engine.scene.light import UniformWorld
     from lumenray.engine.transport.paths import illuminance
     from lumenray.engine.transport.paths.illuminance import Receivers, compute
-    from small_scenes import box, paint, quad, session_of
 
     lid = quad("lid", (-1, -1, 1), (2, 0, 0), (0, 2, 0), "paint")
     with session_of(paint(0.5), box(1, 1, 1, inwards=False), lid, UniformWorld(10.0))._engine(

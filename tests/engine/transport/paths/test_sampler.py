@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lumenray.engine.photometry.spectra import GRID, illuminant, luminous_efficiency
 from lumenray.engine.photometry.units import LUMINOUS_EFFICACY
 from lumenray.engine.transport import backend
@@ -15,6 +16,7 @@ def _spectral():
 def points(count, seed, pair):
     import drjit as dr
     import mitsuba as mi
+
     from lumenray.engine.transport.paths.sampler import sobol_pair
 
     made = sobol_pair(dr.arange(mi.UInt32, count), mi.UInt32(seed), pair)
@@ -41,6 +43,7 @@ def test_different_pairs_and_seeds_are_uncorrelated():
 def test_wavelength_weights_reproduce_a_photometric_integral():
     import drjit as dr
     import mitsuba as mi
+
     from lumenray.engine.transport.paths.wavelengths import WavelengthSampler
 
     lamp = illuminant(GRID, "FL11")
@@ -62,6 +65,7 @@ def test_wavelength_weights_reproduce_a_photometric_integral():
 def test_the_lamps_own_spectrum_makes_photometric_weights_constant():
     import drjit as dr
     import mitsuba as mi
+
     from lumenray.engine.transport.paths.wavelengths import WavelengthSampler
 
     flat = np.ones(len(GRID))
@@ -72,10 +76,11 @@ def test_the_lamps_own_spectrum_makes_photometric_weights_constant():
 
 
 def test_learned_choice_of_lights_does_not_change_the_mean():
+    from small_scenes import box, paint, session_of
+
     from lumenray.engine.accuracy.stopping import StopRule
     from lumenray.engine.scene.light import Output, PointLight, Quantity
     from lumenray.engine.transport.compiled import lights
-    from small_scenes import box, paint, session_of
 
     items = [box(4, 4, 3), paint(0.6)]
     for i, place in enumerate(np.random.default_rng(0).random((40, 3)) * 2.5 + 0.2):
@@ -97,6 +102,7 @@ def test_learned_choice_of_lights_does_not_change_the_mean():
 def test_numbers_of_rays_and_of_their_walks_are_independent(seed):
     import drjit as dr
     import mitsuba as mi
+
     from lumenray.engine.transport.light_tracing.all_lights import DRAWING
     from lumenray.engine.transport.paths.sampler import launch_stream
     from lumenray.engine.transport.witness.pilot import WALKING

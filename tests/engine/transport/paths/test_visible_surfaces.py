@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 from baking_rooms import moved
+from small_scenes import box, paint, quad, session_of
+
 from lumenray.engine.scene.light import UniformWorld
 from lumenray.engine.scene.material import Cauchy, Dielectric, Material
 from lumenray.engine.scene.spectrum import Constant
-from small_scenes import box, paint, quad, session_of
 
 pytestmark = pytest.mark.mitsuba
 

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lumenray.engine.transport.pictures.allocation import SPREAD, TILE, Allocation
 
 FIRST, SECOND = 0, 3

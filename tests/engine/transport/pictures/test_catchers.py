@@ -5,6 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from glass_scenes import ball, slab
+from small_scenes import paint, quad, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.light_mix import Level, LightMix, mix
 from lumenray.engine.scene.camera import Camera, Projection
@@ -23,7 +25,6 @@ from lumenray.engine.scene.scene import SceneDelta
 from lumenray.engine.scene.spectrum import Constant, Rgb
 from lumenray.engine.scene.texture import ImageTexture
 from lumenray.engine.views import Display, DisplayMode, LiveSettings, ViewSettings
-from small_scenes import paint, quad, session_of
 
 pytestmark = pytest.mark.mitsuba
 

@@ -2,14 +2,15 @@
 
 import numpy as np
 import pytest
+from small_pictures import ROOMS, blocks_of, lamp, look_in, picture_of
+from small_scenes import session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.scene import SceneDelta
 from lumenray.engine.transport.pictures import cell_view
 from lumenray.engine.transport.pictures.kept_cells import KeptCells
 from lumenray.engine.transport.pictures.picture import SHARED
 from lumenray.engine.views import Display, LiveSettings, ViewSettings
-from small_pictures import ROOMS, blocks_of, lamp, look_in, picture_of
-from small_scenes import session_of
 
 pytestmark = pytest.mark.mitsuba
 

@@ -6,6 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from small_pictures import ROOMS, block_errors, blocks_of, lamp, look_in
+from small_scenes import paint, quad, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.light import Output, Quantity
 from lumenray.engine.scene.light_groups import LightGroup
@@ -13,8 +16,6 @@ from lumenray.engine.scene.scene import SceneDelta
 from lumenray.engine.transport.pictures import kept_cells
 from lumenray.engine.transport.pictures.kept_cells import NOTE
 from lumenray.engine.views import ViewSettings
-from small_pictures import ROOMS, block_errors, blocks_of, lamp, look_in
-from small_scenes import paint, quad, session_of
 
 pytestmark = pytest.mark.mitsuba
 

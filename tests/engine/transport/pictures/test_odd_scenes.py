@@ -2,12 +2,13 @@
 
 import numpy as np
 import pytest
+from small_pictures import ROOM, lamp, look_in, picture_of
+from small_scenes import paint
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.light import UniformWorld
 from lumenray.engine.scene.material import Glossy, Material
 from lumenray.engine.scene.spectrum import Constant
-from small_pictures import ROOM, lamp, look_in, picture_of
-from small_scenes import paint
 
 pytestmark = pytest.mark.mitsuba
 

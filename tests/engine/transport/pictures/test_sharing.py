@@ -2,6 +2,9 @@
 
 import numpy as np
 import pytest
+from small_pictures import ROOMS, look_in
+from small_scenes import session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.transport.pictures.allocation import TILE
 from lumenray.engine.transport.pictures.pixel_light import DIRECT, GATHERED, VIEW
@@ -14,8 +17,6 @@ from lumenray.engine.transport.pictures.sharing import (
     weigh_tilings,
 )
 from lumenray.engine.views import ViewSettings
-from small_pictures import ROOMS, look_in
-from small_scenes import session_of
 
 WIDTH, HEIGHT = 161, 118
 """No multiples of a tile."""

@@ -2,11 +2,12 @@
 
 import numpy as np
 import pytest
+from small_pictures import ROOMS, look_in
+from small_scenes import session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.transport.pictures.allocation import TILE, Allocation
 from lumenray.engine.views import ViewSettings
-from small_pictures import ROOMS, look_in
-from small_scenes import session_of
 
 pytestmark = [pytest.mark.mitsuba, pytest.mark.slow]
 

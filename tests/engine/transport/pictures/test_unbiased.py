@@ -2,13 +2,14 @@
 
 import numpy as np
 import pytest
+from small_pictures import ROOMS, block_errors, blocks_of, look_in, picture_of
+from small_scenes import session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.transport.lux_maps import cell_guide, cell_reader
 from lumenray.engine.transport.pictures import kept_cells, picture, view_cells
 from lumenray.engine.transport.pictures.view_cells import ViewCells
 from lumenray.engine.views import ViewSettings
-from small_pictures import ROOMS, block_errors, blocks_of, look_in, picture_of
-from small_scenes import session_of
 
 pytestmark = pytest.mark.mitsuba
 

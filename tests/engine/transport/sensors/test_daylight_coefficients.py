@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from small_scenes import paint, quad, session_of
+
 from lumenray.benchmarks.accuracy.scenes import load_scene
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.daylight.coefficients import DaylightOrder
@@ -20,7 +22,6 @@ from lumenray.engine.scene.spectrum import Constant, Illuminant, Rgb
 from lumenray.engine.sky.cie import pattern_of_type
 from lumenray.engine.sky.nodes import find_projection, unit_vectors
 from lumenray.engine.sky.pattern import evaluate, integrate
-from small_scenes import paint, quad, session_of
 
 pytestmark = pytest.mark.mitsuba
 

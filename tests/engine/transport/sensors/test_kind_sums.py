@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lumenray.engine.transport.sensors.kind_sums import SPREAD, KindSums
 
 CHEAP, DEAR = 0, 3

@@ -2,12 +2,13 @@
 
 import numpy as np
 import pytest
+from small_pictures import ROOMS
+from small_scenes import session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.errors import SceneError
 from lumenray.engine.scene.sensor import SensorKind
 from lumenray.engine.transport.sensors import method
-from small_pictures import ROOMS
-from small_scenes import session_of
 
 pytestmark = pytest.mark.mitsuba
 

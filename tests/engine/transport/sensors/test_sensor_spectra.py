@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from small_scenes import box, session_of
+
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.photometry.alpha_opic import MELANOPIC, alpha_opic, equivalent_daylight
 from lumenray.engine.photometry.spectra import (
@@ -13,7 +15,6 @@ from lumenray.engine.photometry.spectra import (
 from lumenray.engine.photometry.units import LUMINOUS_EFFICACY
 from lumenray.engine.scene.material import Diffuse, Emission, Material
 from lumenray.engine.scene.spectrum import Constant, Illuminant, Tabulated
-from small_scenes import box, session_of
 
 pytestmark = pytest.mark.mitsuba
 

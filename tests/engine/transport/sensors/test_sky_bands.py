@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lumenray.engine.photometry.spectra import GRID, illuminant, luminous_efficiency
 
 pytestmark = pytest.mark.mitsuba

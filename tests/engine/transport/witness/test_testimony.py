@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 from baking_rooms import bake_in, furnished_room, lamp
 from glass_scenes import ball
+from small_scenes import box, paint, quad
+
 from lumenray.benchmarks.rooms.random_rooms import make_room
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.light import Output, PointLight, Quantity, SunLight
@@ -20,7 +22,6 @@ from lumenray.engine.transport.paths.illuminance import Receivers, compute
 from lumenray.engine.transport.witness.pilot import Witness
 from lumenray.engine.transport.witness.sensors import hear_sensors
 from lumenray.engine.transport.witness.sheets import Sheets
-from small_scenes import box, paint, quad
 
 pytestmark = pytest.mark.mitsuba
 

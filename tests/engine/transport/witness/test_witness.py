@@ -6,6 +6,10 @@ import numpy as np
 import pytest
 from baking_rooms import lamp, moved
 from glass_scenes import ball
+from luminaires import luminaire
+from ray_lamps import lamp_at
+from small_scenes import box, paint, quad, session_of
+
 from lumenray.engine.scene.distribution import Opening
 from lumenray.engine.scene.light import (
     AreaLight,
@@ -31,9 +35,6 @@ from lumenray.engine.scene.material import (
 )
 from lumenray.engine.scene.spectrum import Constant, Illuminant
 from lumenray.engine.scene.texture import ImageTexture
-from luminaires import luminaire
-from ray_lamps import lamp_at
-from small_scenes import box, paint, quad, session_of
 
 pytestmark = pytest.mark.mitsuba
 
@@ -68,6 +69,7 @@ def test_the_same_seed_gives_the_same_sums_whatever_the_threads_do():
 def test_sums_lose_nothing_and_need_no_order():
     import drjit as dr
     import mitsuba as mi
+
     from lumenray.engine.transport.witness.sums import Sums
 
     report_of(ROOM, BLACK, PointLight("lamp", "lamp", LUMENS, np.array(MIDDLE)), paths=64)
@@ -88,6 +90,7 @@ def test_sums_lose_nothing_and_need_no_order():
 def test_sums_of_faint_light_beside_a_whole_that_is_far_brighter_are_right():
     import drjit as dr
     import mitsuba as mi
+
     from lumenray.engine.transport.witness.sums import Sums
 
     report_of(ROOM, BLACK, PointLight("lamp", "lamp", LUMENS, np.array(MIDDLE)), paths=64)
