@@ -13,7 +13,7 @@ from ...engine.raysets.writers import write_tm25
 from ..common.machine import OtherLoad, describe_machine
 from ..common.output import write_numbers
 from .sizes import DISTANCES, DRAWN, MAP_SAMPLES, MAP_SIDE, PIECE, REPLICATES, SERIES_RAYS
-from .sources import RADIUS, SOURCES, disk, even_numbers, landed_shares, numbers
+from ..common.ray_sources import RADIUS, SOURCES, disk, even_numbers, landed_shares, numbers
 
 SIZE = 2.0 * RADIUS
 """Of the sources. [m]"""

@@ -9,7 +9,7 @@ from baking_rooms import lumel_places
 from ray_files import zemax
 from small_scenes import paint, quad
 
-from lumenray.benchmarks.raysets.sources import RADIUS, disk, even_numbers
+from lumenray.benchmarks.common.ray_sources import RADIUS, disk, even_numbers
 from lumenray.engine.raysets import emission
 from lumenray.engine.raysets.cloud import Fluctuation
 from lumenray.engine.raysets.emission import Wish, prepare_light

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from lumenray.benchmarks.raysets.sources import RADIUS, disk, even_numbers, numbers, sphere
+from lumenray.benchmarks.common.ray_sources import RADIUS, disk, even_numbers, numbers, sphere
 from lumenray.engine.analysis.explanation import explain_rays
 from lumenray.engine.raysets.beam_cells import BeamCells
 from lumenray.engine.raysets.cloud import Drawn

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from ray_files import lambert_rays, zemax
 
-from lumenray.benchmarks.raysets.sources import (
+from lumenray.benchmarks.common.ray_sources import (
     RADIUS,
     SOURCES,
     disk,

@@ -8,7 +8,7 @@ from baking_rooms import bake
 from ray_lamps import BLACK, exact_disk, floor, lamp_at, lumels_of
 from small_scenes import paint, session_of
 
-from lumenray.benchmarks.raysets.sources import disk, helix, sphere
+from lumenray.benchmarks.common.ray_sources import disk, helix, sphere
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.scene.camera import Camera, Projection
 from lumenray.engine.scene.light import Quantity

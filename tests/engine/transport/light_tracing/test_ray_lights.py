@@ -19,7 +19,7 @@ from ray_lamps import (
 )
 from small_scenes import box, paint, quad, session_of
 
-from lumenray.benchmarks.raysets.sources import disk, helix, sphere
+from lumenray.benchmarks.common.ray_sources import disk, helix, sphere
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.errors import SceneError
 from lumenray.engine.photometry.spectra import GRID, luminous_efficiency
