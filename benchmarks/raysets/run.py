@@ -12,8 +12,8 @@ from ...engine.raysets.record import LUMINOUS, Rays
 from ...engine.raysets.writers import write_tm25
 from ..common.machine import OtherLoad, describe_machine
 from ..common.output import write_numbers
-from .sizes import DISTANCES, DRAWN, MAP_SAMPLES, MAP_SIDE, PIECE, REPLICATES, SERIES_RAYS
 from ..common.ray_sources import RADIUS, SOURCES, disk, even_numbers, landed_shares, numbers
+from .sizes import DISTANCES, DRAWN, MAP_SAMPLES, MAP_SIDE, PIECE, REPLICATES, SERIES_RAYS
 
 SIZE = 2.0 * RADIUS
 """Of the sources. [m]"""

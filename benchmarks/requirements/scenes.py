@@ -1,11 +1,15 @@
 """Scenes of which each needs something else, with the sensors that are asked for."""
 
+import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
 from ...engine.raysets.emission import prepare_light
+from ...engine.raysets.record import LUMINOUS, Rays
+from ...engine.raysets.writers import write_tm25
 from ...engine.scene.distribution import Opening
 from ...engine.scene.light import (
     AreaLight,
@@ -18,10 +22,13 @@ from ...engine.scene.light import (
 )
 from ...engine.scene.material import Coated, Material
 from ...engine.scene.spectrum import Blackbody, Constant, Illuminant, Rgb
-from ...libraries import raysets
 from ..common import interiors, still_lifes
 from ..common.interiors import make_matt
 from ..common.pieces import box, make_mesh, quad, rigid_frame, side_of_box
+from ..common.ray_sources import disk, even_numbers
+
+RAYS, RAY_FLUX = 1 << 18, 100.0
+"""Of the ray file, and their light. [lm]"""
 
 SIDES = ("bottom", "top", "-y", "+y", "-x", "+x")
 
@@ -148,14 +155,22 @@ def build_daylight() -> tuple:
 
 
 def build_ray_lamp() -> tuple:
-    """Light of a ray file, near a sheet and far over a floor."""
-    made = prepare_light(raysets.FOLDER / "led_dome.tm25ray")
-    flux = made.luminous_flux or 100.0
+    """Light of a ray file, near a sheet and far over a floor.
+
+    The file has so many rays that it tells its light within the asked error; smoothing of fewer would be compared, and not
+    what is modelled.
+    """
+    position, direction = disk(even_numbers(RAYS, 1))
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "disk.tm25ray"
+        shares = np.full(RAYS, RAY_FLUX / RAYS, np.float32)
+        write_tm25(path, [Rays(position, direction, shares)], LUMINOUS)
+        made = prepare_light(path)
     frame = rigid_frame((0.0, 0.0, 1.0), (0, 0, -1))
     lamp = Luminaire(
         "lamp",
         "lamp",
-        Output(Quantity.LUMINOUS_FLUX, flux),
+        Output(Quantity.LUMINOUS_FLUX, RAY_FLUX),
         frame,
         made.distribution,
         Opening(),
