@@ -44,7 +44,7 @@ from .targets import find_targets
 MOST_AIMS = 512
 """Most aims of all lights together; of more, lights that give the least are missing, and a note says so."""
 
-SHARES = (0.45, 0.3, 0.2, 0.05)
+SHARES = (0.4, 0.3, 0.25, 0.05)
 """Of an aim's rays to its inner and its outer cone, to where its light leaves from, and to all that bends the light. [-]"""
 
 ASKED, FEWEST_ASKED = 8.0, 1.0 / 16.0

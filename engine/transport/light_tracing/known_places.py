@@ -31,7 +31,7 @@ FEWEST, MOST = 32, 96
 DEEPEST = 24
 """Times that lines are parted, at most."""
 
-SHARES = (0.5, 0.2)
+SHARES = (0.35, 0.15)
 """Of what is looked for by cones: within them, and round them. The rest goes by the aims. [-]"""
 
 EVEN = 0.2
