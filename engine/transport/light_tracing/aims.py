@@ -5,8 +5,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from .emission_rays import IDEAL, SUN, EmissionRays, TracedLight
+from .light_paths import send_pilot
 
-PILOT = 1 << 19
+PILOT = 1 << 17
 """Paths that tell by which lines light arrives."""
 
 MOST_PARTS, ALL_PARTS, FEWEST_PARTS = 32, 64, 4
@@ -50,8 +51,8 @@ class Aim:
     kind : int    `PLACE` or `DIRECTION`.
     centre : (3,) array    Place in the scene's frame [m], or unit vector towards the light.
     sizes : (2,) array    Radii about the place [m], or 1 - cos of angles about the direction, by `QUANTILES`.
-    sphere : (4,) array    Holds all places where this light leaves for where it lands. [m]
-    whole : (4,) array    Holds those of all of the light's aims. [m]
+    sphere : (4,) array    Holds all places where this light leaves for where it lands; in the end those of all of a light's
+        aims. [m]
     spread : float    Angle within which it seems to come from there. [rad]
     along : (3,) array    Unit vector by which it goes to a place where it is gathered, before which it comes from the other
         side; 0 where the place lies behind, as images in bulbs and convex mirrors do.
@@ -62,7 +63,6 @@ class Aim:
     centre: np.ndarray
     sizes: np.ndarray
     sphere: np.ndarray
-    whole: np.ndarray
     spread: float
     along: np.ndarray
 
@@ -78,8 +78,9 @@ class AimedLight:
     aims: tuple[Aim, ...]
 
 
-def find_aimed_lights(scene, rays: EmissionRays, landed: dict) -> list[AimedLight]:
-    """See where lights seem to be by the lines of a pilot, as of `light_paths.send_pilot`; those that give most first."""
+def find_aimed_lights(scene, rays: EmissionRays, sampler) -> list[AimedLight]:
+    """Trace all lights and see where they seem to be; those that give most first."""
+    landed = send_pilot(scene, rays, sampler, PILOT)
     names = {id(source): name for name, source in scene.named_sources()}
     total, made = max(float(landed["flux"].sum()), 1e-300), []
     parts = int(np.clip(ALL_PARTS // len(rays.lights), FEWEST_PARTS, MOST_PARTS))
@@ -125,7 +126,7 @@ def _find_aims(light: TracedLight, lines: dict, size: float, radius: float, most
         else:
             parts += halves
     for aim in done:
-        yield replace(aim, whole=whole.sphere)
+        yield replace(aim, sphere=whole.sphere)
 
 
 def _part(light: TracedLight, lines: dict, size: float, radius: float) -> list | None:
@@ -186,7 +187,6 @@ def _aim_of(light: TracedLight, lines: dict, size: float, radius: float) -> Aim:
         kind,
         centre if kind == PLACE else -mean,
         sizes,
-        np.append(ball, reach),
         np.append(ball, reach),
         min(spreads),
         mean if weight @ (off * direction).sum(axis=1) > 0.0 else np.zeros(3),

@@ -24,7 +24,7 @@ from ..paths.left_out import LeftOut
 from ..paths.visibility import closest_hit
 from ..paths.wavelengths import make_sampler
 from ..rays import spawn_ray
-from .aims import DIRECTION, PILOT, PLACE, SUN_RADIUS, AimedLight, find_aimed_lights
+from .aims import DIRECTION, PLACE, SUN_RADIUS, AimedLight, find_aimed_lights
 from .bent_rays import BentRays
 from .emission_rays import (
     IDEAL,
@@ -37,20 +37,19 @@ from .emission_rays import (
     in_cap,
     solid_cap,
 )
-from .known_places import KnownPlaces
-from .light_paths import find_bent_lights, left_out_of, send_pilot
+from .light_paths import find_bent_lights, left_out_of
 from .targets import find_targets
 
 MOST_AIMS = 512
 """Most aims of all lights together; of more, lights that give the least are missing, and a note says so."""
 
-SHARES = (0.4, 0.3, 0.25, 0.05)
-"""Of an aim's rays to its inner and its outer cone, to where its light leaves from, and to all that bends the light. [-]"""
+SHARES = (0.45, 0.4, 0.15)
+"""Of an aim's rays to its inner and its outer cone, and to all that bends the light. [-]"""
 
 ASKED, FEWEST_ASKED = 8.0, 1.0 / 16.0
 """Vertices of a path that ask for bent light, relative to its share of all light, and the fewest of them. [-]"""
 
-COLUMNS = 26
+COLUMNS = 22
 """Of the table of aims; see `BentLights._upload`."""
 
 MAXIMUM_STEPS = 256
@@ -94,14 +93,11 @@ class BentLights:
         targets = find_targets(scene)
         self.tree = targets.tree
         found: list[AimedLight] = []
-        landed: dict = {}
         if targets.tree is not None:
             sampler = make_sampler(scene, "luminance")
             lights = find_bent_lights(scene, targets.tree, sampler) + find_ray_points(scene)
             if lights:
-                rays = EmissionRays(scene, lights, targets.tree)
-                landed = send_pilot(scene, rays, sampler, PILOT)
-                found = find_aimed_lights(scene, rays, landed)
+                found = find_aimed_lights(scene, EmissionRays(scene, lights, targets.tree), sampler)
         ends = np.cumsum([len(each.aims) for each in found])
         kept = found[: int(np.searchsorted(ends, MOST_AIMS, side="right"))]
         self.is_needed = bool(kept)
@@ -112,7 +108,6 @@ class BentLights:
         self.notes = tuple(_notes(kept, found[len(kept) :], targets.names))
         self._kept, self._unseen = kept, None
         self._upload(kept)
-        self._places = KnownPlaces(_lines_of(self.lights, rays.lights, landed), self)
         bent = sum(each.flux for each in kept)
         every = sum(source.flux for source in scene.lights.sources)
         chance = np.clip(ASKED * bent / max(every, 1e-300), FEWEST_ASKED, 1.0)
@@ -135,7 +130,7 @@ class BentLights:
             light = each.light
             row[:3], row[3] = aim.centre, aim.kind
             row[4:6] = aim.sizes
-            row[6:10], row[22:26] = aim.whole, aim.sphere
+            row[6:10] = aim.sphere
             row[10], row[11] = aim.flux, each.size
             row[12:14] = light.start, light.number
             if light.source is not None:
@@ -143,15 +138,11 @@ class BentLights:
                 row[15:18] = light.source.centre
             row[18], row[19:22] = number, aim.along
         self._rows = upload(mi.Float, rows)
-        firsts = np.zeros(table_size(len(lights)), dtype=np.uint32)
-        for row, (number, _, _) in reversed(list(enumerate(pairs))):
-            firsts[number] = row
-        self._firsts = upload(mi.UInt32, firsts)
         self._count = dr.opaque(mi.UInt32, len(pairs))
         self._suns = any(each.light.start == SUN for each in lights)
         self._points = any(each.light.start == IDEAL for each in lights)
         self._surfaces = any(each.light.start == SURFACE for each in lights)
-        dr.eval(self._rows, self._firsts)
+        dr.eval(self._rows)
 
     @property
     def has_points(self) -> bool:
@@ -224,14 +215,11 @@ class BentLights:
             lit &= stream.next_float32() < chance
         index, total = self._choose(si.p, stream.next_float32(), count, lit)
         direction = self._direct(index, si.p, stream)
-        all_known = [self._places.at(si.p, lit), *([] if known is None else [known])]
-        for each in all_known:
-            index, direction = each.draw(stream, index, direction)
-        # Lights that are not asked here may be known all the same.
-        lit &= index < count
+        if known is not None:
+            index, direction = known.draw(stream, index, direction)
         density = self._density(index, total, si.p, direction, count, lit)
-        for each in all_known:
-            density = each.density(density, self.light_of(index), direction)
+        if known is not None:
+            density = known.density(density, self.light_of(index), direction)
         response, _ = respond(direction, lit)
         amount = mi.Spectrum(response / dr.maximum(chance * density, 1e-30))
         lit &= (density > 0.0) & dr.any(amount != 0.0)
@@ -239,10 +227,6 @@ class BentLights:
         scale = mi.Float(1.0) if known is None else known.scale()
         value = self._follow(index, ray, stream, lit, dispersed, limit, scale)
         return dr.select(lit, amount * value, 0.0), index, direction
-
-    def aim_of(self, light):
-        """Number of one of the aims of a light, by its place in ``lights``."""
-        return dr.gather(mi.UInt32, self._firsts, light)
 
     def _number(self, index, column: int):
         return dr.gather(mi.Float, self._rows, index * COLUMNS + column)
@@ -324,8 +308,7 @@ class BentLights:
             size = self._number(index, column)
             axis, cap = _cone(away, size)
             made.append((dr.select(is_far, centre, axis), dr.select(is_far, size, cap)))
-        for column in (22, 6):
-            made.append(_cone(self._vector(index, column) - point, self._number(index, column + 3)))
+        made.append(_cone(self._vector(index, 6) - point, self._number(index, 9)))
         return made
 
     def _follow(self, index, ray, stream, active, dispersed, limit, scale):
@@ -417,14 +400,6 @@ def _cone(away, radius):
     distance = dr.norm(away)
     axis = dr.select(distance > 0.0, away / dr.maximum(distance, 1e-30), mi.Vector3f(0.0, 0.0, 1.0))
     return axis, dr.maximum(cap, 1e-14)
-
-
-def _lines_of(lights, traced, landed: dict) -> dict:
-    """Lines of a pilot that are of some of the lights that it traced, numbered by these."""
-    places = {id(light): number for number, light in enumerate(lights)}
-    numbers = np.array([places.get(id(light), -1) for light in traced])[landed["light"]]
-    own = (numbers >= 0) & (landed["flux"] > 0.0)
-    return {name: values[own] for name, values in landed.items()} | {"light": numbers[own]}
 
 
 def _notes(lights: list[AimedLight], missing: list[AimedLight], names: tuple[str, ...]):
