@@ -181,7 +181,7 @@ def compute(paint: Paint, wavelengths=WAVELENGTHS, step: float = STANDARD, **opt
     error = measure_error(lambda wi, wo: evaluate(solution, wi, wo), read, max(largest, 1e-6))
     table = replace(table, error=error)
     rng = np.random.default_rng(1)
-    wi, wo = (_random_directions(rng, PAIRS) for _ in range(2))
+    wi, wo = (random_directions(rng, PAIRS) for _ in range(2))
     there, back = read(wi, wo), read(wo, wi)
     reciprocity = float(np.abs(there - back).max() / max(there.max(), 1e-12))
     total = albedos_of(table, table.incidences, [0.0])[0]
@@ -206,7 +206,7 @@ def measure_convergence(solution: Solution) -> float:
         is_polarised=solution.is_polarised,
     )
     rng = np.random.default_rng(2)
-    wi, wo = (_random_directions(rng, PAIRS) for _ in range(2))
+    wi, wo = (random_directions(rng, PAIRS) for _ in range(2))
     # Half of the pairs about the mirror's direction, where the lobe is.
     near = slice(None, PAIRS // 2)
     wo[near] = wi[near] * [-1.0, -1.0, 1.0] + 0.2 * rng.normal(size=(PAIRS // 2, 3))
@@ -216,7 +216,7 @@ def measure_convergence(solution: Solution) -> float:
     return float(np.sqrt((((one - two) / (one + FLOOR)) ** 2).mean()))
 
 
-def _random_directions(rng, count: int) -> np.ndarray:
+def random_directions(rng, count: int) -> np.ndarray:
     """Directions of light from everywhere onto a surface. (n, 3)"""
     cosine, azimuth = np.sqrt(1.0 - rng.random(count)), 2.0 * np.pi * rng.random(count)
     sine = np.sqrt(1.0 - cosine**2)
