@@ -140,6 +140,7 @@ def measure_tables(say) -> list[dict]:
             {
                 "table_error": float(np.sqrt((away**2).mean())),
                 "reciprocity": made.reciprocity,
+                "inner_reciprocity": made.inner_reciprocity,
                 "clamped": made.clamped,
                 "energy": made.energy,
                 "furnace": _furnace_loss(paint),

@@ -33,7 +33,7 @@ def paint_surface(
     """
     paint = parse_paint(content)
     report(0.0)
-    made = compute(paint)
+    made = compute(paint, report=lambda share: report(TABULATED * share))
     report(TABULATED)
     table, wavelengths = made.table, made.solution.wavelengths
     values = reflectances(made.solution)
