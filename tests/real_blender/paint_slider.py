@@ -29,6 +29,8 @@ def follow():
         module("blender_addon.paints.presets"),
         module("blender_addon.paints.preview"),
     )
+    # Blender's own preview would be rendered beside, during which no script may write.
+    bpy.utils.unregister_class(bpy.types.MATERIAL_PT_preview)
     bpy.context.scene.render.engine = "LUMENRAY"
     item = bpy.data.objects["Cube"]
     bpy.context.view_layer.objects.active = item
