@@ -97,6 +97,15 @@ class LumenrayPreferences(bpy.types.AddonPreferences):
         subtype="FILE_PATH",
     )
 
+    constituents: StringProperty(
+        name="Own Constituents",
+        description=(
+            "File of your own flakes, pigments, binders and indices of paints, JSON in the form of the guide; they are in "
+            "the menus of paints and known to compositions that are opened"
+        ),
+        subtype="FILE_PATH",
+    )
+
     show_steps: BoolProperty(
         name="Show First Steps",
         description=(
@@ -116,6 +125,7 @@ class LumenrayPreferences(bpy.types.AddonPreferences):
         self.layout.prop(self, "solid_radius", text="Distributions [m]")
         self.layout.prop(self, "luminaire_folder", text="Own Assets")
         self.layout.prop(self, "city_list", text="Own Cities")
+        self.layout.prop(self, "constituents", text="Own Constituents")
         self.layout.prop(self, "show_steps")
 
     def _draw_devices(self, context):

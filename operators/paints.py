@@ -71,7 +71,7 @@ class LUMENRAY_OT_load_paint(LoadFile, bpy.types.Operator):
         return None if material is None else material.lumenray.paint
 
     def work(self, context, settings):
-        presets.load(settings, bpy.path.abspath(self.filepath))
+        presets.load(settings, bpy.path.abspath(self.filepath), parts.known())
         owner = settings.id_data.lumenray
         owner.model, owner.use_override = PAINT, True
         return {"INFO"}, f"{settings.name or Path(self.filepath).stem} is taken over"

@@ -3,6 +3,7 @@
 import bpy
 
 from ..blender_addon.paints.angles import STRIP
+from ..engine.errors import LumenrayError
 from ..imports import loaded_when_used
 from .file_parts import LABELS, draw_problem
 from .material import MaterialPanel
@@ -51,7 +52,12 @@ class PartMenu:
     """Menu of what can be added to a layer."""
 
     def draw(self, context):
-        for name in parts.names_of(self.kind):
+        try:
+            names = parts.names_of(self.kind)
+        except LumenrayError as error:
+            self.layout.label(text=str(error), icon="ERROR")
+            names = parts.BEGINNINGS[self.kind]
+        for name in names:
             entry = self.layout.operator("lumenray.add_paint_part", text=name)
             entry.kind, entry.part = self.kind, name
 

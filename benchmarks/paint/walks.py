@@ -1,11 +1,15 @@
 """Random compositions: the solution against photons, the table against the solution, energy and reciprocity."""
 
+import copy
+
 import numpy as np
 
 from ...engine.paint.explicit_flakes import walk_among_discs
 from ...engine.paint.photon_walk import RINGS, walk
+from ...engine.paint.reader import parse_paint
 from ...engine.paint.solution import Resolution, solve
-from ...engine.paint.tabulation import compute
+from ...engine.paint.tabulation import FLOOR, compute, random_directions
+from ...engine.scattering.data.table import evaluate_table
 from .makers import make_paint, mirrors
 
 COMPOSITIONS = 30
@@ -19,6 +23,9 @@ PLACES = 24
 """Places of Gauss and Legendre by which a solution is integrated over each ring of exit, and over the azimuth."""
 
 WAVELENGTH = 550.0
+
+TABLES, PAIRS = 4, 10_000
+"""Compositions of which tables are judged, and pairs of directions for that."""
 
 
 def random_paint(rng, is_thin: bool = False):
@@ -120,19 +127,40 @@ def measure(say) -> dict:
 
 
 def measure_tables(say) -> list[dict]:
-    """Tables of the random compositions' first: T3 to T5."""
+    """Tables of the random compositions' first: T1 to T5."""
     rng = np.random.default_rng(32)
     rows = []
-    for _ in range(4):
-        made = compute(random_paint(rng), [450.0, 550.0, 650.0])
+    for _ in range(TABLES):
+        paint = random_paint(rng)
+        made = compute(paint, [450.0, 550.0, 650.0])
+        pairs = random_directions(rng, PAIRS), random_directions(rng, PAIRS)
+        direct = made.solution.evaluate(*pairs)
+        away = (evaluate_table(made.table, *pairs) - direct) / (direct + FLOOR)
         rows.append(
             {
-                "table_error": made.table.error,
+                "table_error": float(np.sqrt((away**2).mean())),
                 "reciprocity": made.reciprocity,
+                "inner_reciprocity": made.inner_reciprocity,
                 "clamped": made.clamped,
                 "energy": made.energy,
+                "furnace": _furnace_loss(paint),
                 "convergence": made.convergence,
             }
         )
     say("tables")
     return rows
+
+
+def _furnace_loss(paint) -> float:
+    """Largest share of light that a paint loses once nothing in it absorbs."""
+    content = copy.deepcopy(paint.content)
+    content["substrate"] = {"reflectance": 1.0}
+    for layer in content["layers"]:
+        for each in layer["flakes"]:
+            if "mirror" in each:
+                each["mirror"]["transmittance"] = 1.0 - each["mirror"]["reflectance"]
+        for each in layer["pigments"]:
+            each["medium"]["albedo"] = 1.0
+    solution = solve(parse_paint(content), [450.0, 550.0, 650.0])
+    sines = np.sin(np.radians(np.arange(0.0, 81.0, 5.0)))
+    return float(np.abs(solution.albedo(sines) + solution.mirror(sines) - 1.0).max())

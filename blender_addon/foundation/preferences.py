@@ -44,6 +44,13 @@ def city_list() -> Path | None:
     return Path(bpy.path.abspath(name)) if name else None
 
 
+def constituents() -> Path | None:
+    """Return the path of the user's own constituents of paints, None if there is none."""
+    preferences = own()
+    name = preferences.constituents if preferences is not None else ""
+    return Path(bpy.path.abspath(name)) if name else None
+
+
 def device() -> str:
     """Return the key of the device that the user has chosen, empty for the first that works."""
     preferences = own()

@@ -1,9 +1,13 @@
-"""What can be added to a paint: constituents of the library, and a few descriptions to begin with."""
+"""What can be added to a paint: constituents of the libraries, and a few descriptions to begin with.
+
+Users' constituents are written out where they are used, so that files with such paints need no other file.
+"""
 
 from copy import deepcopy
 
 from ...engine.errors import LumenrayError
-from ...engine.paint.reader import known_constituents
+from ...engine.paint.reader import known_constituents, parse_paint, settle_names
+from ..foundation import preferences
 
 AMOUNT = {"flakes": {"mass_fraction": 0.08}, "pigments": {"volume_fraction": 0.02}}
 """Of a constituent that states none."""
@@ -40,9 +44,20 @@ BEGINNINGS = {
 """Parts to begin with, by kind and name."""
 
 
+def known() -> dict[str, dict]:
+    """Return the constituents that ship and those of the user, as of `known_constituents`.
+
+    Raises
+    ------
+    FileFormatError    The user's file cannot be read.
+    """
+    path = preferences.constituents()
+    return known_constituents([path] if path is not None else ())
+
+
 def names_of(kind: str) -> list[str]:
-    """Return the names of what can be added of a kind, ours first."""
-    return [*BEGINNINGS[kind], *known_constituents()[kind]]
+    """Return the names of what can be added of a kind, ours first; raises as `known`."""
+    return [*BEGINNINGS[kind], *known()[kind]]
 
 
 def new_part(kind: str, name: str) -> dict:
@@ -50,18 +65,30 @@ def new_part(kind: str, name: str) -> dict:
 
     Raises
     ------
-    LumenrayError    There is none of the name.
+    LumenrayError    There is none of the name; or as `known`.
     """
     name = name or next(iter(BEGINNINGS[kind]))
     if name in BEGINNINGS[kind]:
         return {"name": name} | deepcopy(BEGINNINGS[kind][name])
-    known = known_constituents()[kind]
-    if name not in known:
+    constituents = known()
+    stated = constituents[kind].get(name)
+    if stated is None:
         raise LumenrayError(f"there is no '{name}' among the {kind} of the library")
     content = {"constituent": name}
-    if "medium" not in known[name] and "amount" not in known[name]:
+    if "medium" not in stated and "amount" not in stated:
         content["amount"] = dict(AMOUNT[kind])
-    return content
+    path = preferences.constituents()
+    if path is None:
+        return content
+    layer = {"thickness_um": 10, "binder": {"index": 1.5}, kind: [content]}
+    whole = {
+        "lumenray_paint": 1,
+        "name": name,
+        "layers": [layer],
+        "substrate": {"reflectance": 0.0},
+    }
+    whole = settle_names(parse_paint(whole, constituents, path).content, constituents)
+    return whole["layers"][0][kind][0]
 
 
 def new_layer() -> dict:

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import bpy
 
-from ...engine.paint.reader import read_paint
+from ...engine.paint.reader import read_paint, settle_names
 from ...libraries import paints
 from .description import adopt
 from .tables import is_paint
@@ -37,15 +37,19 @@ def title_of(name: str) -> str:
     return name.replace("_", " ").capitalize()
 
 
-def load(settings, path) -> None:
+def load(settings, path, constituents: dict | None = None) -> None:
     """Let settings state the paint of a file.
+
+    Parameters
+    ----------
+    constituents : dict or None    That it may name; None: those that ship.
 
     Raises
     ------
     FileFormatError    It cannot be read.
     """
-    paint = read_paint(path)
-    content = dict(paint.content)
+    content = read_paint(path, constituents).content
+    content = dict(content) if constituents is None else settle_names(content, constituents)
     substrate = content["substrate"]
     if "table" in substrate:
         # Settings have no place of their own that the file could lie beside.

@@ -14,6 +14,9 @@ with loaded_when_used():
 KEPT = 32
 """Paints that are kept, of 5 MB each or so."""
 
+REST = 0.4
+"""How long sliders must have been still before a table is computed, which spheres need not wait for. [s]"""
+
 
 def is_paint(material) -> bool:
     """Whether a material is a paint by its composition."""
@@ -69,6 +72,8 @@ def compute(text: str, job):
     Cancelled    It was stopped.
     LumenrayError    It cannot be computed.
     """
+    if not bpy.app.background and job.stop.wait(REST):
+        raise Cancelled("the paint was not computed: stopped")
     session = engine_process.open_session("paint")
 
     def report(progress):

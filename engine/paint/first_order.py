@@ -77,14 +77,14 @@ def single_reflection(
 
 def _reflected(layers, extinctions, pairs: Pairs, is_polarised: bool) -> np.ndarray:
     total = 0.0
-    above = np.ones(len(layers[0].index))
+    above = np.ones(1)
     sides = (pairs.incident, pairs.leaving)
     # Shares of both polarisations that faces let through, and what matter above takes, on both ways.
     passed = [[1.0, 1.0], [1.0, 1.0]]
     taken = 0.0
     for number, layer in enumerate(layers):
         for way, sines in zip(passed, sides, strict=True):
-            for k, share in enumerate(face_shares(sines[:, None], above, layer.index)):
+            for k, share in enumerate(face_shares(sines[:, None], above, layer.face_index)):
                 way[k] = way[k] * (1.0 - share)
         cosines = [np.sqrt(1.0 - (sines / layer.mean_index) ** 2) for sines in sides]
         rates = sum(
@@ -99,8 +99,8 @@ def _reflected(layers, extinctions, pairs: Pairs, is_polarised: bool) -> np.ndar
             own = _flakes(layer, pairs, cosines, passed, is_polarised)
             total = total + scale[:, None] * depth * np.exp(-taken) * own
         taken = taken + rates * layer.thickness
-        above = layer.index
-    return np.zeros((len(pairs.turn), len(above))) + total
+        above = layer.face_index
+    return np.zeros((len(pairs.turn), len(layers[0].index))) + total
 
 
 def _flakes(layer: LayerMatter, pairs: Pairs, cosines, passed, is_polarised: bool) -> np.ndarray:

@@ -82,6 +82,11 @@ class LayerMatter:
     pigments: tuple[PigmentMatter, ...]
 
     @property
+    def face_index(self) -> np.ndarray:
+        """The index by which faces reflect: one where all bands share it. (w,) or (1,)"""
+        return self.index[:1] if np.ptp(self.index) == 0.0 else self.index
+
+    @property
     def has_particles(self) -> bool:
         """Whether anything scatters in it."""
         return bool(self.flakes or self.pigments)

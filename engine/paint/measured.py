@@ -21,7 +21,7 @@ MOST_ROWS = 100
 INCIDENCES = (15.0, 30.0, 45.0, 60.0)
 """Angles of light at which a BRDF is read. [deg]"""
 
-ASPECULAR = (3.0, 6.0, 10.0, 15.0, 20.0, 25.0, 35.0, 45.0, 60.0, 75.0, 90.0)
+ASPECULAR = (6.0, 10.0, 15.0, 20.0, 25.0, 35.0, 45.0, 60.0, 75.0, 90.0)
 """Aspecular angles at which it is read, where they lie above the horizon by `LOWEST`. [deg]"""
 
 LOWEST = 80.0

@@ -33,7 +33,7 @@ def paint_surface(
     """
     paint = parse_paint(content)
     report(0.0)
-    made = compute(paint)
+    made = compute(paint, report=lambda share: report(TABULATED * share))
     report(TABULATED)
     table, wavelengths = made.table, made.solution.wavelengths
     values = reflectances(made.solution)
@@ -57,3 +57,8 @@ def _notes(paint: Paint, made: Tabulated):
             if flakes.diameters is None:
                 name = flakes.name or "flakes"
                 yield f"{name}: no diameter is stated, so the camera does not see them one by one"
+    if any(flakes.diameters for layer in paint.layers for flakes in layer.flakes):
+        yield (
+            "flakes are seen one by one where the camera looks straight at them; mirrors, and light that is traced through "
+            "bending glass, show their mean"
+        )

@@ -117,6 +117,50 @@ def known_constituents(paths=()) -> dict[str, dict]:
     return known
 
 
+def settle_names(content: dict, constituents: dict) -> dict:
+    """A description, as `Paint` keeps it, that needs no other constituents than those that ship.
+
+    Parameters
+    ----------
+    constituents : dict    As `known_constituents` returns them, by which it was read.
+    """
+    own = _beside_shipped(constituents)
+    layers = []
+    for layer in content["layers"]:
+        parts = {
+            kind: [_settled(each, own, kind) for each in layer.get(kind, [])]
+            for kind in ("flakes", "pigments")
+        }
+        layers.append(layer | parts | {"binder": _with_indices(layer["binder"], own["indices"])})
+    return content | {"layers": layers}
+
+
+def _beside_shipped(constituents: dict) -> dict[str, dict]:
+    """Constituents that do not ship, or stand for others."""
+    return {
+        kind: {name: each for name, each in own.items() if _shipped()[kind].get(name) != each}
+        for kind, own in constituents.items()
+    }
+
+
+def _settled(part: dict, own: dict, kind: str) -> dict:
+    if part.get("constituent") in own[kind]:
+        part = {name: value for name, value in part.items() if name != "constituent"}
+    return _with_indices(part, own["indices"])
+
+
+def _with_indices(value, indices: dict):
+    """A description's part with indices in the places of their names."""
+    if isinstance(value, list):
+        return [_with_indices(each, indices) for each in value]
+    if not isinstance(value, dict):
+        return value
+    made = {name: _with_indices(each, indices) for name, each in value.items()}
+    while isinstance(made.get("index"), str) and made["index"] in indices:
+        made["index"] = indices[made["index"]]["index"]
+    return made
+
+
 def _read_constituents(path) -> dict[str, dict]:
     content = _read(path)
     try:
@@ -320,8 +364,12 @@ class _Maker:
         return curve
 
     def index(self, content, place: str) -> Index:
-        if isinstance(content, str):
-            return self.index(_named(self.parts, "indices", content, place)["index"], place)
+        names = set()
+        while isinstance(content, str):
+            if content in names:
+                raise ValueError(f"{place} names '{content}', which names itself")
+            names.add(content)
+            content = _named(self.parts, "indices", content, place)["index"]
         if not isinstance(content, dict):
             return Curve(np.array([550.0]), np.array([float(content)]))
         if "cauchy_um" in content:

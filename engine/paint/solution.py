@@ -107,7 +107,7 @@ class Solution:
         above = (wi[:, 2] > 0.0) & (wo[:, 2] > 0.0)
         if above.any():
             pairs = pairs_of(wi[above], wo[above])
-            values[above] = np.maximum(self._rest(pairs) + self.first_order(pairs), 0.0)
+            values[above] = np.maximum(self.rest(pairs) + self.first_order(pairs), 0.0)
         return values
 
     def first_order(self, pairs: Pairs) -> np.ndarray:
@@ -145,8 +145,8 @@ class Solution:
         spread = np.einsum("wij,nj->nwi", self.kernels[:, 0] + self.single, inside)
         return self.entering(sines) * np.einsum("nwi,iw,i->nw", spread, leaving, weights)
 
-    def _rest(self, pairs: Pairs) -> np.ndarray:
-        """What the modes hold. (n, w) [1/sr]"""
+    def rest(self, pairs: Pairs) -> np.ndarray:
+        """All but `first_order`, what the modes hold: below 0 where series are cut short. (n, w) [1/sr]"""
         sines, place = np.unique(np.round(pairs.incident, 12), return_inverse=True)
         bands, modes = self.kernels.shape[:2]
         waves = self._waves(pairs.turn, modes)
@@ -161,14 +161,14 @@ class Solution:
                 basis = waves[here, :, None] * out[:, here][parity].transpose(1, 0, 2)
                 values[here] = basis.reshape(len(here), -1) @ columns[..., k].reshape(bands, -1).T
         else:
-            inside = self.directions.interpolations(pairs.incident)
-            table = self.kernels.reshape(bands, -1).T
-            step = max(CHUNK // len(table), 1)
+            step = max(CHUNK // (modes * out.shape[2]), 1)
             for k in range(0, len(values), step):
                 part = slice(k, k + step)
-                both = out[:, part, :, None] * inside[:, part, None, :]
-                basis = waves[part, :, None, None] * both[parity].transpose(1, 0, 2, 3)
-                values[part] = basis.reshape(both.shape[1], -1) @ table
+                inside = self.directions.interpolations(pairs.incident[part])[parity]  # (m, n, l)
+                basis = np.swapaxes(waves[part].T[..., None] * out[:, part][parity], 1, 2)
+                for band, kernel in enumerate(self.kernels):
+                    columns = kernel @ np.swapaxes(inside, 1, 2)  # (m, l, n)
+                    values[part, band] = np.einsum("mln,mln->n", columns, basis)
         share = self.entering(pairs.incident) * self.entering(pairs.leaving)
         return values * share / np.pi
 
@@ -185,7 +185,7 @@ class Solution:
         rng = np.random.default_rng(3)
         places = np.sqrt(rng.random((2, TRIED)))
         pairs = Pairs(*places, np.cos(np.pi * rng.random(TRIED)))
-        values = self._rest(pairs) + self.first_order(pairs)
+        values = self.rest(pairs) + self.first_order(pairs)
         return float((np.pi * np.maximum(-values, 0.0)).mean(axis=0).max())
 
 

@@ -10,7 +10,7 @@ from ..photometry.colour import XYZ_TO_REC709
 from ..scattering.data.tristimulus import weights_of
 from .composition import Paint
 from .first_order import pairs_of
-from .solution import Solution, solve
+from .solution import Resolution, Solution, resolution_for, solve
 
 WAVELENGTHS = np.array([430.0, 470.0, 510.0, 550.0, 590.0, 630.0, 670.0])
 """Bands of the look. [nm]"""
@@ -29,6 +29,9 @@ SHARP, SMOOTH = 2, 4
 
 KNEE = 0.8
 """From which on highlights are rolled off. [-]"""
+
+COARSE = 2.0 / 3.0
+"""Share of directions and modes of a solution that a look is made of."""
 
 EDGE = 0.985
 """Radius of the sphere over half the side of the picture. [-]"""
@@ -51,20 +54,28 @@ def paint_sphere(paint: Paint, side: int = 256, background=(0.0, 0.0, 0.0, 0.0))
     ------
     SceneError    The paint cannot be solved.
     """
-    solution = solve(paint, WAVELENGTHS)
+    solution = solve(paint, WAVELENGTHS, resolution=_look_of(paint))
     weights = weights_of(WAVELENGTHS) @ XYZ_TO_REC709.T
-    colour = _enlarged(_of_flakes(solution, -(-side // SHARP)), side) @ weights
-    colour += _enlarged(_of_rest(solution, -(-side // SMOOTH)), side) @ weights
+    colour = _enlarged(_of_flakes(solution, -(-side // SHARP)) @ weights, side)
+    colour += _enlarged(_of_rest(solution, -(-side // SMOOTH)) @ weights, side)
     place = _places(side)
-    inside = np.hypot(*place) < EDGE
-    normal, _ = _normals(place / EDGE)
-    colour[inside] += _mirrored(solution, normal[inside]) @ weights
+    radius = np.hypot(*place)
+    inside = radius < EDGE + 1.0 / side
+    colour = colour[inside]
+    colour += _mirrored(solution, _normals(place[:, inside] / EDGE)[0], weights)
     picture = np.empty((side, side, 4), np.float32)
     picture[...] = background
     # Half a pixel's width of the edge is blended.
-    cover = np.clip((EDGE - np.hypot(*place)) * 0.5 * side + 0.5, 0.0, 1.0)[..., None]
-    shown = np.concatenate([encode(colour), np.ones((side, side, 1))], axis=2)
-    return (picture * (1.0 - cover) + shown * cover).astype(np.float32)
+    cover = np.clip((EDGE - radius[inside]) * 0.5 * side + 0.5, 0.0, 1.0)[:, None]
+    shown = np.concatenate([encode(colour), np.ones((len(colour), 1))], axis=1)
+    picture[inside] = picture[inside] * (1.0 - cover) + shown * cover
+    return picture
+
+
+def _look_of(paint: Paint) -> Resolution:
+    """Resolution that a look needs: within a few hundredths of what is exact where most differs."""
+    size = resolution_for(paint)
+    return Resolution(2 * round(0.5 * COARSE * size.directions), round(COARSE * size.modes))
 
 
 def encode(colour: np.ndarray) -> np.ndarray:
@@ -125,8 +136,8 @@ def _of_rest(solution: Solution, side: int) -> np.ndarray:
     """All other light that is scattered, of the lamp and of the room. (side, side, w)"""
     wi, wo, lit, cosine = _directions(side)
     made = np.zeros((side, side, len(solution.wavelengths)))
-    rest = solution.evaluate(wi, wo) - solution.first_order(pairs_of(wi, wo))
-    made[lit] = np.pi * BRIGHTNESS * cosine[:, None] * np.maximum(rest, 0.0)
+    rest = np.maximum(solution.rest(pairs_of(wi, wo)), 0.0)
+    made[lit] = np.pi * BRIGHTNESS * cosine[:, None] * rest
     _, seen = _normals(_places(side) / EDGE)
     sines = np.linspace(0.0, 1.0, 65)
     albedo = solution.albedo(sines)
@@ -136,11 +147,11 @@ def _of_rest(solution: Solution, side: int) -> np.ndarray:
     return made
 
 
-def _mirrored(solution: Solution, normal: np.ndarray) -> np.ndarray:
-    """Light of room and window that the clear surface mirrors. (n, 3) -> (n, w)"""
+def _mirrored(solution: Solution, normal: np.ndarray, weights: np.ndarray) -> np.ndarray:
+    """Light of room and window that the clear surface mirrors. (n, 3), (w, c) -> (n, c)"""
     seen = 2.0 * normal[:, 2:] * normal - [0.0, 0.0, 1.0]
     sines = np.linspace(0.0, 1.0, 65)
-    share = solution.mirror(sines)
+    share = solution.mirror(sines) @ weights
     level = np.hypot(normal[:, 0], normal[:, 1])
     # A window above on the left, by the direction that is mirrored, with soft edges.
     azimuth, height = np.arctan2(seen[:, 0], seen[:, 2]), np.arcsin(np.clip(seen[:, 1], -1.0, 1.0))

@@ -1,5 +1,6 @@
 """A paint's scattering as the table of a measured material: everything that is done with those is done with paints."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -24,14 +25,23 @@ GRAZING = np.radians([82.0, 84.0, 86.0, 87.5, 89.0])
 LOBE = 45.0
 """Radial angle up to which the step is even. [deg]"""
 
-BEYOND = (52.0, 60.0, 75.0, 90.0, 110.0, 130.0, 150.0, 180.0)
-"""Radial angles farther out. [deg]"""
+BEYOND = (*np.arange(50.0, 131.0, 5.0), 140.0, 150.0, 165.0, 180.0)
+"""Radial angles farther out, where the horizon cuts through cells. [deg]"""
+
+BEYOND_OF_LOOK = (52.0, 60.0, 75.0, 90.0, 110.0, 130.0, 150.0, 180.0)
+"""The same for a look. [deg]"""
 
 STEPS_OF_LOBE = 0.75
 """Step of the radial angle, times the smallest slope, where steps of incidence are those of `FINE`."""
 
 LOWEST = np.cos(np.radians(89.0))
-"""Directions below take the value there, so that what lies below the horizon does not count as dark."""
+"""Directions below take the value there where a paint is not dark at the horizon."""
+
+LEAST_FACE = 1.2
+"""Index from which on a smooth surface lets nothing out towards the horizon."""
+
+RECIPROCAL = 85.0
+"""Largest angle to the normal within which reciprocity is told apart. [deg]"""
 
 MOST_CLAMPED, MOST_CHANGE = 1e-4, 0.01
 """Light that may be clamped, and change from a coarser resolution, above which a paint is solved more finely."""
@@ -60,7 +70,8 @@ class Tabulated:
     convergence : float
         Root mean square difference from three quarters of the directions and modes, in some bands, relative to the value
         plus `FLOOR`: above the error of the solution itself. [-]
-    reciprocity : float    Largest difference of the table between both ways, by its largest value. [-]
+    reciprocity, inner_reciprocity : float
+        Largest difference of the table between both ways, by its largest value, anywhere and within `RECIPROCAL`. [-]
     energy : float    Largest share of light that the table reflects. [-]
     clamped : float    As of `Solution`.
     """
@@ -69,6 +80,7 @@ class Tabulated:
     solution: Solution
     convergence: float
     reciprocity: float
+    inner_reciprocity: float
     energy: float
     clamped: float
 
@@ -103,11 +115,12 @@ def tabulate(solution: Solution, step: float = STANDARD) -> ScatterTable:
     incidences, radials, azimuths = axes_of(solution, step)
     i, t, a = np.meshgrid(incidences, radials, azimuths, indexing="ij")
     wo = direction_of(i, t, a).reshape(-1, 3)
-    low = wo[:, 2] < LOWEST
-    level = np.hypot(wo[:, 0], wo[:, 1])
-    scale = np.sqrt(1.0 - LOWEST**2) / np.maximum(level, 1e-12)
-    wo[low, :2] *= scale[low, None]
-    wo[low, 2] = LOWEST
+    if solution.paint.orange_peel or solution.layers[0].index.min() < LEAST_FACE:
+        low = wo[:, 2] < LOWEST
+        level = np.hypot(wo[:, 0], wo[:, 1])
+        scale = np.sqrt(1.0 - LOWEST**2) / np.maximum(level, 1e-12)
+        wo[low, :2] *= scale[low, None]
+        wo[low, 2] = LOWEST
     wi = np.stack([np.sin(i), np.zeros_like(i), np.cos(i)], axis=-1).reshape(-1, 3)
     values = evaluate(solution, wi, wo).reshape(1, *i.shape, -1).astype(np.float32)
     direct = None
@@ -137,21 +150,29 @@ def axes_of(solution: Solution, step: float) -> tuple[np.ndarray, np.ndarray, np
             * np.degrees(solution.paint.orange_peel)
             * np.array([0.0, 0.5, 1, 1.5, 2, 2.5, 3, 4])
         )
-    radials = np.unique(np.round(np.concatenate([even, fine[fine < LOBE], BEYOND]), 4))
+    beyond = BEYOND_OF_LOOK if step >= PREVIEW else BEYOND
+    radials = np.unique(np.round(np.concatenate([even, fine[fine < LOBE], beyond]), 4))
     incidences = np.concatenate([np.radians(np.arange(0.0, 81.0, step)), GRAZING])
     return (
         incidences,
         np.radians(radials),
-        np.linspace(0.0, np.pi, 9 if step >= PREVIEW else 13 if step > FINE else 19),
+        np.linspace(0.0, np.pi, 9 if step >= PREVIEW else 19 if step > FINE else 25),
     )
 
 
-def compute(paint: Paint, wavelengths=WAVELENGTHS, step: float = STANDARD, **options) -> Tabulated:
+def compute(
+    paint: Paint,
+    wavelengths=WAVELENGTHS,
+    step: float = STANDARD,
+    report: Callable[[float], None] = lambda share: None,
+    **options,
+) -> Tabulated:
     """Solve a paint, make its table, and measure how good both are.
 
     Parameters
     ----------
     step : float    Of the angle of incidence. [deg]
+    report : callable    Told from time to time which share of the work is done; what it raises ends it.
     options : dict    As of `solve`.
 
     Raises
@@ -159,7 +180,9 @@ def compute(paint: Paint, wavelengths=WAVELENGTHS, step: float = STANDARD, **opt
     SceneError    As of `solve`.
     """
     solution = solve(paint, wavelengths, **options)
+    report(0.2)
     convergence = measure_convergence(solution)
+    report(0.3)
     if "resolution" not in options and (
         solution.clamped > MOST_CLAMPED or convergence > MOST_CHANGE
     ):
@@ -173,6 +196,7 @@ def compute(paint: Paint, wavelengths=WAVELENGTHS, step: float = STANDARD, **opt
             f"{100 * MOST_CLAMPED:g} % at most; let its flakes tilt more, or its binders differ less"
         )
     table = tabulate(solution, step)
+    report(0.7)
 
     def read(wi, wo):
         return evaluate_table(table, wi, wo)
@@ -180,15 +204,23 @@ def compute(paint: Paint, wavelengths=WAVELENGTHS, step: float = STANDARD, **opt
     largest = float(solution.albedo(np.sin(table.incidences)).max())
     error = measure_error(lambda wi, wo: evaluate(solution, wi, wo), read, max(largest, 1e-6))
     table = replace(table, error=error)
+    report(0.9)
     rng = np.random.default_rng(1)
-    wi, wo = (_random_directions(rng, PAIRS) for _ in range(2))
+    wi, wo = (random_directions(rng, PAIRS) for _ in range(2))
     there, back = read(wi, wo), read(wo, wi)
-    reciprocity = float(np.abs(there - back).max() / max(there.max(), 1e-12))
+    away = np.abs(there - back).max(axis=1) / max(there.max(), 1e-12)
+    is_inner = np.minimum(wi[:, 2], wo[:, 2]) > np.cos(np.radians(RECIPROCAL))
     total = albedos_of(table, table.incidences, [0.0])[0]
     if table.direct is not None:
         total = total + table.direct[0]
     return Tabulated(
-        table, solution, convergence, reciprocity, float(total.max()), solution.clamped
+        table,
+        solution,
+        convergence,
+        float(away.max()),
+        float(away[is_inner].max()),
+        float(total.max()),
+        solution.clamped,
     )
 
 
@@ -206,7 +238,7 @@ def measure_convergence(solution: Solution) -> float:
         is_polarised=solution.is_polarised,
     )
     rng = np.random.default_rng(2)
-    wi, wo = (_random_directions(rng, PAIRS) for _ in range(2))
+    wi, wo = (random_directions(rng, PAIRS) for _ in range(2))
     # Half of the pairs about the mirror's direction, where the lobe is.
     near = slice(None, PAIRS // 2)
     wo[near] = wi[near] * [-1.0, -1.0, 1.0] + 0.2 * rng.normal(size=(PAIRS // 2, 3))
@@ -216,7 +248,7 @@ def measure_convergence(solution: Solution) -> float:
     return float(np.sqrt((((one - two) / (one + FLOOR)) ** 2).mean()))
 
 
-def _random_directions(rng, count: int) -> np.ndarray:
+def random_directions(rng, count: int) -> np.ndarray:
     """Directions of light from everywhere onto a surface. (n, 3)"""
     cosine, azimuth = np.sqrt(1.0 - rng.random(count)), 2.0 * np.pi * rng.random(count)
     sine = np.sqrt(1.0 - cosine**2)

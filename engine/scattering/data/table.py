@@ -1,5 +1,7 @@
 """Tables of scattering in coordinates about the mirror direction: evaluation, integrals and checks, in double precision."""
 
+from functools import lru_cache
+
 import numpy as np
 
 from ...errors import SceneError
@@ -284,6 +286,7 @@ def quadrature(table: ScatterTable, incidence: float, points: int = QUADRATURE):
     return radial, azimuth, sides * weight * np.sin(radial) * np.maximum(cosine, 0.0)
 
 
+@lru_cache(maxsize=64)
 def _nodes(cells: int, points: int) -> tuple[np.ndarray, np.ndarray]:
     """Points of Gauss and Legendre between -1 and 1 in each of some cells, and their weights. (cells, points), (points,)
 

@@ -11,10 +11,17 @@ from panels import context, draw, finish_pictures, interface
 
 from lumenray.blender_addon.file_assets.pictures import Pictures
 from lumenray.blender_addon.foundation.report import ConversionReport
-from lumenray.blender_addon.paints import presets, preview, readout, tables
-from lumenray.blender_addon.paints.description import adopt, describe, digest_of, to_text
+from lumenray.blender_addon.paints import parts, presets, preview, readout, tables
+from lumenray.blender_addon.paints.description import (
+    adopt,
+    adopt_part,
+    describe,
+    digest_of,
+    to_text,
+)
 from lumenray.blender_addon.paints.parts import names_of
 from lumenray.blender_addon.sync.materials.overrides import convert_override
+from lumenray.engine.errors import FileFormatError
 from lumenray.engine.paint.reader import parse_paint
 from lumenray.engine.scene.material import Diffuse, Measured
 from lumenray.engine.session import Session
@@ -80,6 +87,30 @@ def material():
 def compute_here(text, job):
     """Compute a paint in this process."""
     return Session().compute_paint(text, lambda progress: job.tell(progress.done))
+
+
+def test_constituents_of_the_user_are_added_in_full(material, tmp_path, monkeypatch):
+    own = {
+        "lumenray_constituents": 1,
+        "indices": {"glass": {"index": 1.52}},
+        "flakes": {"sheet": {"stack": {"core": {"index": "glass", "thickness_nm": 300}}}},
+    }
+    file = tmp_path / "mine.json"
+    file.write_text(json.dumps(own))
+    monkeypatch.setattr(parts.preferences, "constituents", lambda: file)
+    assert "sheet" in names_of("flakes") and "sheet" not in names_of("pigments")
+    adopt(material.lumenray.paint, CONTENT)
+    part = material.lumenray.paint.layers[0].flakes.add()
+    adopt_part(part, "flakes", parts.new_part("flakes", "sheet"))
+    assert part.core_nm == 300.0
+    # Without the file the paint is what it was.
+    monkeypatch.setattr(parts.preferences, "constituents", lambda: None)
+    paint = parse_paint(describe(material.lumenray.paint))
+    assert paint.layers[0].flakes[0].optics.core.index.at([550.0])[0] == pytest.approx(1.52)
+    file.write_text("{")
+    monkeypatch.setattr(parts.preferences, "constituents", lambda: file)
+    with pytest.raises(FileFormatError, match=r"mine\.json"):
+        parts.new_part("flakes", "sheet")
 
 
 @pytest.fixture(scope="module")

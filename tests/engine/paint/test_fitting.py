@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from folders import WILD
 from paints import aspecular, interference, mirrors, one_layer
 
 from lumenray.engine.errors import SceneError
@@ -15,8 +16,13 @@ from lumenray.engine.paint.fitting import (
     with_values,
 )
 from lumenray.engine.paint.least_squares import minimise
+from lumenray.engine.paint.measured import read_brdf
+from lumenray.engine.paint.reader import read_paint
 from lumenray.engine.paint.readings import SIX, read_lab
 from lumenray.engine.paint.solution import solve
+from lumenray.libraries import paints
+
+CAR = WILD / "bsdf/mdl/carpaint_red.mbsdf"
 
 ANGLES = [(45, a) for a in (15, 25, 45, 75)] + [(20, 10), (60, 20)]
 
@@ -83,3 +89,19 @@ def test_what_cannot_be_looked_for_is_said():
     with pytest.raises(SceneError, match="no number at 'name'"):
         read_place(content, "name")
     assert [each.place for each in usual_parameters(content)] == [AREA, TILT]
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not CAR.is_file(), reason="needs ../shared/data/bsdf")
+def test_flakes_of_a_measured_car_paint_are_found():
+    content = read_paint(paints.presets()["three_coat_red"]).content
+    looked_for = [
+        Parameter("layers/1/thickness_um", 1.0, 40.0),
+        Parameter("layers/2/flakes/0/amount/mass_fraction", 0.001, 0.3),
+        Parameter("layers/2/flakes/0/tilt_deg", 3.0, 25.0),
+    ]
+    # Without pearl, which such a file does not tell; its own noise is a fifth.
+    content["layers"][1]["flakes"] = []
+    found = fit_paint(content, read_brdf(CAR, 0.2), looked_for, starts=1)
+    assert found.residual < 3.0 and not found.at_bounds
+    assert found.values[2] == pytest.approx(5.0, abs=1.0)

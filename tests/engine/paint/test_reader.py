@@ -9,7 +9,7 @@ import pytest
 
 from lumenray.engine.errors import FileFormatError
 from lumenray.engine.paint.composition import Diameters, face_densities, volume_fractions
-from lumenray.engine.paint.reader import known_constituents, parse_paint, read_paint
+from lumenray.engine.paint.reader import known_constituents, parse_paint, read_paint, settle_names
 from lumenray.libraries import paints
 
 PLAIN = {
@@ -166,6 +166,31 @@ def test_users_constituents_go_before(tmp_path):
         parse_paint(
             changed(layers__0__flakes=[{"constituent": "tin", "amount": {"mass_fraction": 0.2}}])
         )
+
+
+def test_names_of_users_are_written_out_where_they_do_not_ship(tmp_path):
+    own = {
+        "lumenray_constituents": 1,
+        "indices": {"glass": {"index": 1.52}, "pane": {"index": "glass"}},
+        "binders": {"treacle": {"index": "pane"}},
+        "flakes": {"sheet": {"stack": {"core": {"index": "pane", "thickness_nm": 300}}}},
+    }
+    file = tmp_path / "mine.json"
+    file.write_text(json.dumps(own))
+    content = changed(
+        layers__0__binder="treacle",
+        layers__0__flakes=[{"constituent": "sheet", "amount": {"mass_fraction": 0.2}}],
+    )
+    constituents = known_constituents([file])
+    paint = parse_paint(content, constituents)
+    alone = parse_paint(settle_names(paint.content, constituents)).layers[0]
+    assert alone.binder.index.at([550.0]) == pytest.approx([1.52])
+    assert alone.flakes[0].name == "sheet"
+    assert alone.flakes[0].optics.core.index.at([550.0]) == pytest.approx([1.52])
+    own["indices"]["glass"] = {"index": "pane"}
+    file.write_text(json.dumps(own))
+    with pytest.raises(FileFormatError, match=r"'(glass|pane)', which names itself"):
+        parse_paint(content, known_constituents([file]))
 
 
 def test_wide_files_are_refused(tmp_path):

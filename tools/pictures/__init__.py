@@ -1,0 +1,1 @@
+"""Pictures of the documents that are rendered, a module for each."""
