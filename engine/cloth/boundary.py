@@ -45,7 +45,7 @@ def reflect_share(cosine, index: float, roughness: float) -> np.ndarray:
     sine = np.sqrt(np.maximum(1.0 - cosine**2, 0.0))
     made = np.empty_like(cosine)
     for k, (c, s) in enumerate(zip(cosine, sine, strict=True)):
-        x, y, z = visible_facet(roughness, s, c, first[:, None], turn)
+        x, _, z = visible_facet(roughness, s, c, first[:, None], turn)
         along = np.maximum(s * x + c * z, 0.0)
         out = 2.0 * along * z - c
         masking = smith(out, roughness, c)

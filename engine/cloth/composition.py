@@ -1,7 +1,7 @@
-"""What a cloth is made of, as data: yarns, how they are woven, a pile on them and a coating behind them.
+"""What a cloth is made of, as data: yarns, how they are woven, and a pile on them.
 
-Lengths have their unit in their names; angles are radians; spectra are functions of the wavelength in nm. The warp runs along y,
-the weft along x, the front is +z.
+Lengths have their unit in their names; angles are radians; spectra are functions of the wavelength in nm. The warp runs
+along y, the weft along x, the front is +z.
 """
 
 import math
@@ -96,19 +96,6 @@ class Pile:
 
 
 @dataclass(frozen=True)
-class Coating:
-    """A matt sheet right behind the cloth.
-
-    Parameters
-    ----------
-    reflectance, transmittance : Spectrum    Together 1 at most. [-]
-    """
-
-    reflectance: Spectrum
-    transmittance: Spectrum
-
-
-@dataclass(frozen=True)
 class Cloth:
     """A cloth.
 
@@ -117,7 +104,6 @@ class Cloth:
     warp, weft : Yarn
     weave : Weave
     pile : Pile or None
-    coating : Coating or None
     name, description, source : str
     content : dict    The description in JSON that it was made of.
     """
@@ -126,7 +112,6 @@ class Cloth:
     weft: Yarn
     weave: Weave
     pile: Pile | None = None
-    coating: Coating | None = None
     name: str = ""
     description: str = ""
     source: str = ""

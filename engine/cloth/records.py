@@ -1,9 +1,11 @@
 """Exits of photons from a thread, kept so that each way into it has many to draw from.
 
-A way in is the size of the direction's component along the thread, and of the ray's distance from the axis; the signs of both
-follow by mirrors. Each is cut into bins; a drawn exit is of the bin of a place that is up to half a bin off, so that what is
-drawn changes steadily.
+A way in is the size of the direction's component along the thread, and of the ray's distance from the axis; the signs of
+both follow by mirrors. Each is cut into bins; a drawn exit is of the bin of a place that is up to half a bin off, so that
+what is drawn changes steadily.
 """
+
+from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -61,7 +63,7 @@ class DrawnExits:
     """Records of several threads on the device, from which exits are drawn."""
 
     def __init__(self, records: list[Records]):
-        self.exits = records[0].exits
+        self.exits = dr.opaque(mi.UInt32, records[0].exits)
         values = np.concatenate([each.values for each in records])
         # Four numbers are fetched at a time.
         self.first = mi.Float(values[:, :4].ravel())
@@ -84,7 +86,7 @@ class DrawnExits:
         for value in (dr.abs(axial), dr.abs(around) / level):
             spot = value * BINS + stream.next_float32() - 0.5
             place.append(mi.UInt32(dr.clip(spot, 0.0, BINS - 0.5)))
-        one = dr.minimum(mi.UInt32(stream.next_float32() * self.exits), self.exits - 1)
+        one = dr.minimum(mi.UInt32(stream.next_float32() * mi.Float(self.exits)), self.exits - 1)
         row = ((thread * BINS + place[0]) * BINS + place[1]) * self.exits + one
         along, turn, normal, out = dr.gather(mi.Vector4f, self.first, row)
         about, length, _, _ = dr.gather(mi.Vector4f, self.second, row)

@@ -4,6 +4,8 @@ Lengths are in radii. A photon enters where the normal is +x, the thread lies al
 way is kept, by which any dye absorbs afterwards, so one walk is for all bands in which spheres scatter alike.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
 
 import drjit as dr
@@ -70,7 +72,10 @@ def walk_inside(optics: ThreadOptics, axial, offset, seed: int) -> Exits:
     """
     count = dr.width(axial)
     level = dr.safe_sqrt(1.0 - axial * axial)
-    inverse = 1.0 / optics.index
+    # Opaque: numbers that stand in a kernel make it another one for each thread.
+    index = dr.opaque(mi.Float, optics.index)
+    scattering = dr.opaque(mi.Float, max(optics.optical_radius, 1e-12))
+    inverse = dr.rcp(index)
     dy, dz = level * offset * inverse, axial * inverse
     dx = -dr.safe_sqrt(1.0 - dy * dy - dz * dz)
     zero = dr.zeros(mi.Float, count)
@@ -82,12 +87,8 @@ def walk_inside(optics: ThreadOptics, axial, offset, seed: int) -> Exits:
     found = [dr.zeros(mi.Float, count) for _ in range(6)]
     place = dr.arange(mi.UInt32, count)
     for chunk in range(MOST_CHUNKS):
-        stream = mi.PCG32(
-            size=dr.width(place),
-            initstate=mi.UInt64(seed) * 0x9E3779B97F4A7C15 + chunk,
-            initseq=mi.UInt64(place) + 1,
-        )
-        inside, *state = _go_on(optics, cosines, shares, stream, state)
+        stream = random_numbers(seed, chunk, place)
+        inside, *state = _go_on(index, scattering, cosines, shares, stream, state)
         dr.eval(inside, *state)
         out = dr.compress(~inside)
         _put(
@@ -110,6 +111,16 @@ def walk_inside(optics: ThreadOptics, axial, offset, seed: int) -> Exits:
     return Exits(along, turn, outward, along_axis, around, length, lost)
 
 
+def random_numbers(seed: int, part: int, place) -> mi.PCG32:
+    """Random numbers of photons by their numbers, and of a part of their ways."""
+    word = (seed * 0x9E3779B97F4A7C15 + part) % (1 << 64)
+    return mi.PCG32(
+        size=dr.width(place),
+        initstate=dr.opaque(mi.UInt64, word),
+        initseq=mi.UInt64(place) + 1,
+    )
+
+
 def _put(found, place, state) -> None:
     """Write photons that are out where they belong. Their directions are those outside, times their positions' frame."""
     if not dr.width(place):
@@ -121,12 +132,10 @@ def _put(found, place, state) -> None:
         dr.scatter(array, value, place)
 
 
-def _go_on(optics: ThreadOptics, cosines, shares, stream, state):
+def _go_on(index, scattering, cosines, shares, stream, state):
     """Take up to `CHUNK` steps; directions of those that are out are multiplied by the index, as outside."""
-    index = optics.index
-    scattering = max(optics.optical_radius, 1e-12)
     squared = index * index
-    last = len(optics.cosines) - 1
+    last = dr.width(cosines) - 1
 
     def step(count, inside, stream, x, y, z, dx, dy, dz, length):
         free = -dr.log(1.0 - stream.next_float32()) / scattering

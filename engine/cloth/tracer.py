@@ -1,18 +1,21 @@
 """Rays in a woven cloth: from yarn to yarn until they are above it or below.
 
-The repeat is periodic: rays that leave it by a side come in by the other one. Where a ray meets a yarn a facet of its surface
-reflects it, or it enters and comes out by a record of the thread (`records`); so nothing is lost. Ways inside each kind of yarn
-are summed up, by which dyes absorb afterwards. A coating right below the yarns reflects as a matt surface.
+The repeat is periodic: rays that leave it by a side come in by the other one. Where a ray meets a yarn a facet of its
+surface reflects it, or it enters and comes out by a record of the thread (`records`); so nothing is lost. Ways inside each
+kind of yarn are summed up, by which dyes absorb afterwards.
 """
 
+from __future__ import annotations
+
 from dataclasses import dataclass
+from functools import partial
 
 import drjit as dr
 import mitsuba as mi
 import numpy as np
 
 from .records import DrawnExits
-from .thread_walk import ThreadOptics
+from .thread_walk import ThreadOptics, random_numbers
 from .tubes import CORNERS, Tubes, make_triangles
 
 CHUNK = 4
@@ -33,8 +36,7 @@ class Traced:
     ----------
     x, y, z : Float    Direction in which they leave.
     ways : list of Float    Way inside each kind of yarn. [mm]
-    coated : Float    How often the coating reflected them.
-    events : UInt32    How often they met yarns or the coating; 0: they went straight through.
+    events : UInt32    How often they met yarns; 0: they went straight through.
     lost : Bool
     """
 
@@ -42,7 +44,6 @@ class Traced:
     y: mi.Float
     z: mi.Float
     ways: list
-    coated: mi.Float
     events: mi.UInt32
     lost: mi.Bool
 
@@ -53,16 +54,16 @@ class WovenScene:
     Parameters
     ----------
     tubes : Tubes
-    optics : list of ThreadOptics    Of each kind of yarn.
-    exits : DrawnExits    Of each kind.
-    radii : list of float    Of the round threads that the records are of. [mm]
-    is_coated : bool
+    optics : list of ThreadOptics    Of each kind of yarn; of these the index and roughness count.
+    exits : DrawnExits    Of `KINDS` threads for each anchor, one after the other.
+    anchors : int    Wavelengths at which rays are followed, in turn.
+    radii : list of float    Of the round threads that the records are of, by kind. [mm]
     """
 
     def __init__(
-        self, tubes: Tubes, optics: list[ThreadOptics], exits: DrawnExits, radii, is_coated: bool
+        self, tubes: Tubes, optics: list[ThreadOptics], exits: DrawnExits, anchors: int, radii
     ):
-        self.tubes, self.exits, self.is_coated = tubes, exits, is_coated
+        self.tubes, self.exits, self.anchors = tubes, exits, anchors
         points, faces = make_triangles(tubes)
         mesh = mi.Mesh("cloth", len(points), len(faces))
         parameters = mi.traverse(mesh)
@@ -85,21 +86,24 @@ class WovenScene:
         self.radii = mi.Float(np.asarray(radii, np.float64))
         self.indices = mi.Float([each.index for each in optics])
         self.roughnesses = mi.Float([each.roughness for each in optics])
-        self.offset = 2e-4 * float(tubes.heights.max())
+        # Opaque: numbers that stand in a kernel make it another one for each cloth.
+        self.bounds = [
+            dr.opaque(mi.Float, float(each))
+            for each in (*tubes.size, *tubes.pad, tubes.low, tubes.high)
+        ]
+        self.offset = dr.opaque(mi.Float, 2e-4 * float(tubes.heights.max()))
+        self.last_ring = dr.opaque(mi.UInt32, self.rings - 1)
 
     def trace(self, direction, count: int, seed: int) -> Traced:
-        """Send rays onto a cloth at places that are evenly spread.
+        """Send rays onto a cloth at places that are evenly spread; ray k goes at the anchor k modulo their number.
 
         Parameters
         ----------
         direction : (3,) array    In which they go; with z below 0 onto the front, above 0 onto the back.
         """
-        width, depth = (float(each) for each in self.tubes.size)
-        stream = mi.PCG32(
-            size=count,
-            initstate=mi.UInt64(seed) * 0x9E3779B97F4A7C15,
-            initseq=mi.UInt64(dr.arange(mi.UInt32, count)) + 1,
-        )
+        width, depth, *_ = self.bounds
+        place = dr.arange(mi.UInt32, count)
+        stream = random_numbers(seed, 0, place)
         # Places along one axis are even, so that openings are met as often as they are wide.
         x = (dr.arange(mi.Float, count) + stream.next_float32()) / count * width
         y = stream.next_float32() * depth
@@ -109,21 +113,16 @@ class WovenScene:
         heading = [dr.opaque(mi.Float, float(each), count) for each in direction]
         zero = dr.zeros(mi.Float, count)
         none = dr.zeros(mi.UInt32, count)
-        state = [x, y, z, *heading, *(mi.Float(zero) for _ in range(4)), none, mi.UInt32(none)]
-        place = dr.arange(mi.UInt32, count)
+        state = [x, y, z, *heading, *(mi.Float(zero) for _ in range(KINDS)), none, mi.UInt32(none)]
         found = [dr.zeros(type(each), count) for each in state]
         for chunk in range(MOST_STEPS // CHUNK):
             inside = dr.full(mi.Bool, True, dr.width(place))
-            stream = mi.PCG32(
-                size=dr.width(place),
-                initstate=mi.UInt64(seed) * 0x9E3779B97F4A7C15 + chunk + 1,
-                initseq=mi.UInt64(place) + 1,
-            )
+            stream = random_numbers(seed, chunk + 1, place)
             state[-1] = dr.zeros(mi.UInt32, dr.width(place))
             inside, _, *state = dr.while_loop(
                 (inside, stream, *state),
                 lambda inside, *rest: inside & (rest[-1] < CHUNK),
-                self._step,
+                partial(self._step, place % dr.opaque(mi.UInt32, self.anchors)),
                 label="rays in a cloth",
             )
             dr.eval(inside, *state)
@@ -139,14 +138,12 @@ class WovenScene:
         if dr.width(place):
             dr.scatter(lost, mi.Bool(True), place)
         dr.eval(found, lost)
-        _, _, _, dx, dy, dz, warp, weft, pile, coated, events, _ = found
-        return Traced(dx, dy, dz, [warp, weft, pile], coated, events, lost)
+        _, _, _, dx, dy, dz, *ways, events, _ = found
+        return Traced(dx, dy, dz, ways, events, lost)
 
-    def _step(self, inside, stream, x, y, z, dx, dy, dz, warp, weft, pile, coated, events, steps):
-        width, depth = (float(each) for each in self.tubes.size)
-        low, high = float(self.tubes.low), float(self.tubes.high)
+    def _step(self, anchor, inside, stream, x, y, z, dx, dy, dz, warp, weft, pile, events, steps):
+        width, depth, about_x, about_y, low, high = self.bounds
         # To the nearest side of the repeat with what lies about it.
-        about_x, about_y = (float(each) for each in self.tubes.pad)
         away_x = dr.select(dx > 0.0, width + about_x - x, x + about_x) / dr.maximum(
             dr.abs(dx), 1e-9
         )
@@ -162,42 +159,32 @@ class WovenScene:
         met = self.scene.ray_intersect_preliminary(ray, coherent=False)
         hits = met.is_valid() & (met.t <= reach)
         ends = ~hits & (away_z <= side)
-        own = self._meet(stream, met, hits, dx, dy, dz)
-        px, py, pz, ex, ey, ez, way, kind, counted = own
-        sz = dr.fma(side, dz, z)
-        # A coating sends light back as a matt surface, however often; who passes it has left.
-        turns = ends & (dz < 0.0) & self.is_coated
-        cx, cy, cz = _matt(stream)
-        gone = dr.select(turns, away_z, side)
-        x = _wrapped(dr.select(hits, px, dr.fma(gone, dx, x)), width)
-        y = _wrapped(dr.select(hits, py, dr.fma(gone, dy, y)), depth)
-        z = dr.select(hits, pz, dr.select(turns, low, sz))
-        dx, dy, dz = (
-            dr.select(hits, a, dr.select(turns, b, c))
-            for a, b, c in ((ex, cx, dx), (ey, cy, dy), (ez, cz, dz))
+        px, py, pz, ex, ey, ez, way, kind, counts = self._meet(
+            anchor, stream, met, hits, mi.Point3f(x, y, z), mi.Vector3f(dx, dy, dz)
         )
+        x = _wrapped(dr.select(hits, px, dr.fma(side, dx, x)), width)
+        y = _wrapped(dr.select(hits, py, dr.fma(side, dy, y)), depth)
+        z = dr.select(hits, pz, dr.fma(side, dz, z))
+        dx, dy, dz = dr.select(hits, ex, dx), dr.select(hits, ey, dy), dr.select(hits, ez, dz)
         warp = warp + dr.select(hits & (kind == 0), way, 0.0)
         weft = weft + dr.select(hits & (kind == 1), way, 0.0)
         pile = pile + dr.select(hits & (kind == 2), way, 0.0)
-        coated = coated + dr.select(turns, 1.0, 0.0)
-        events = events + dr.select(counted | turns, mi.UInt32(1), mi.UInt32(0))
-        steps = steps + 1
-        inside = inside & ~(ends & ~turns)
-        return inside, stream, x, y, z, dx, dy, dz, warp, weft, pile, coated, events, steps
+        events = events + dr.select(counts, mi.UInt32(1), mi.UInt32(0))
+        return inside & ~ends, stream, x, y, z, dx, dy, dz, warp, weft, pile, events, steps + 1
 
-    def _meet(self, stream, met, hits, dx, dy, dz):
+    def _meet(self, anchor, stream, met, hits, origin, direction):
         """Where a ray that meets a yarn goes on, and by which way inside: place, direction, way, kind, whether it counts."""
         prim = met.prim_index
         quad, second = prim // 2, (prim & 1) == 1
         corner = quad % CORNERS
-        ring = (quad // CORNERS) % (self.rings - 1)
-        tube = quad // (CORNERS * (self.rings - 1))
+        strip = quad // CORNERS
+        tube = strip // self.last_ring
+        ring = strip - tube * self.last_ring
         u, v = met.prim_uv.x, met.prim_uv.y
         place = mi.Float(ring) + dr.select(second, u, u + v)
         turn = (mi.Float(corner) + dr.select(second, u + v, v)) * (2.0 * np.pi / CORNERS)
         kind = dr.gather(mi.UInt32, self.kinds, tube, hits)
         _, normal, along, about = self._frame(tube, place, turn, hits)
-        direction = mi.Vector3f(dx, dy, dz)
         inward, axial, around = (
             -dr.dot(direction, normal),
             dr.dot(direction, along),
@@ -208,7 +195,9 @@ class WovenScene:
         reflected, out = self._facet(
             stream, kind, mi.Vector3f(-around, -axial, dr.maximum(inward, 1e-4)), hits
         )
-        drawn = self.exits.draw(kind, axial, around, dr.maximum(inward, 1e-4), stream)
+        drawn = self.exits.draw(
+            kind + KINDS * anchor, axial, around, dr.maximum(inward, 1e-4), stream
+        )
         radius = dr.gather(mi.Float, self.radii, kind, hits)
         enters = ~reflected & ~from_inside
         moved = place + dr.select(
@@ -221,14 +210,15 @@ class WovenScene:
         mirrored = out.z * normal + out.y * along + out.x * about
         made = dr.normalize(dr.select(enters, ahead, mirrored))
         made = dr.select(from_inside, direction, made)
-        start = point + dr.select(from_inside, mi.Vector3f(direction), normal) * self.offset
+        through = origin + (met.t + self.offset) * direction
+        start = dr.select(from_inside, through, point + normal * self.offset)
         way = dr.select(enters, drawn[5] * radius, 0.0)
         return start.x, start.y, start.z, made.x, made.y, made.z, way, kind, hits & ~from_inside
 
     def _placed(self, tube, place, hits):
         """Places along tubes, brought back by whole repeats, or to a pile's ends."""
         period = dr.gather(mi.Float, self.periods, tube, hits)
-        last = float(self.rings - 1)
+        last = mi.Float(self.last_ring)
         safe = dr.maximum(period, 1.0)
         middle = 0.5 * last
         shifted = place - safe * dr.round((place - middle) / safe)
@@ -236,9 +226,9 @@ class WovenScene:
 
     def _frame(self, tube, place, turn, hits):
         """Point, normal, and axes along and about a tube."""
-        low = dr.minimum(mi.UInt32(place), self.rings - 2)
+        low = dr.minimum(mi.UInt32(place), self.last_ring - 1)
         share = place - mi.Float(low)
-        first = tube * self.rings + low
+        first = tube * (self.last_ring + 1) + low
 
         def between(array):
             one = dr.gather(mi.Vector4f, array, first, hits)
@@ -299,13 +289,6 @@ def _fresnel(cosine, index):
     across = (cosine - index * inner) / (cosine + index * inner)
     within = (index * cosine - inner) / (index * cosine + inner)
     return 0.5 * (across * across + within * within)
-
-
-def _matt(stream):
-    """Direction upwards by Lambert's law."""
-    radius = dr.sqrt(stream.next_float32())
-    sine, cosine = dr.sincos(dr.two_pi * stream.next_float32())
-    return radius * cosine, radius * sine, dr.safe_sqrt(1.0 - radius * radius)
 
 
 def _wrapped(place, period: float):

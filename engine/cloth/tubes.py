@@ -1,8 +1,8 @@
 """Yarns of one repeat of a cloth as tubes: their frames along them, and triangles.
 
-Every tube has the same numbers of rings and of corners around, so that the number of a triangle and a place in it tell where
-along and around which tube it is. The point of a ring at the angle v is c + b cos v e1 + a sin v e2 with e1 across the cloth,
-e2 = t x e1, and t along the yarn. Lengths are mm.
+Every tube has the same numbers of rings and of corners around, so that the number of a triangle and a place in it tell
+where along and around which tube it is. The point of a ring at the angle v is c + b cos v e1 + a sin v e2 with e1 across
+the cloth, e2 = t x e1, and t along the yarn. Lengths are mm.
 """
 
 from dataclasses import dataclass
@@ -23,6 +23,9 @@ LEAST_RINGS = 24
 
 MARGIN = 4
 """Crossings that are there about a repeat."""
+
+PILE_MARGIN = 2
+"""Likewise, at most, where there is a pile, of which many ends would be there."""
 
 TIP = 0.15
 """Share of a pile's length that narrows to its end."""
@@ -81,9 +84,11 @@ def lay_out(
     """
     up = np.tile(cloth.weave.is_warp_up, (repeats, repeats))
     ends, picks = up.shape
+    if cloth.pile is not None:
+        margin = min(margin, PILE_MARGIN)
     pitch = np.array([cloth.weave.warp_pitch_mm, cloth.weave.weft_pitch_mm])
     size = pitch * [ends, picks]
-    # Each yarn's share of the heights of both: as much as the other is high, for the softer one bends about the harder.
+    # Warp and weft bend alike.
     both = cloth.warp.height_mm + cloth.weft.height_mm
     amplitudes = 0.5 * both, 0.5 * both
     count = max(LEAST_RINGS, rings * (max(ends, picks) + 2 * margin)) + 1
@@ -102,7 +107,7 @@ def lay_out(
             centre[:, 2] = heights(states, amplitude, places)
             period = crossings * (count - 1) / (crossings + 2 * margin)
             parts.append((kind, centre, np.ones(count), yarn, period))
-    high = 0.5 * both + max(cloth.warp.height_mm, cloth.weft.height_mm)
+    high = 0.25 * both + 0.51 * max(cloth.warp.height_mm, cloth.weft.height_mm)
     top = high
     if cloth.pile is not None:
         parts += _pile(cloth, size, pitch * (margin - 1), count)
@@ -154,12 +159,12 @@ def _pile(cloth: Cloth, size, pad, count: int):
     shift = pile.height_mm * np.tan(pile.lean)
     narrow = np.sqrt(np.clip((1.0 - share) / TIP, 1e-4, 1.0))
     reach = shift + pile.yarn.width_mm
-    copies = 1 + np.ceil((pad + [0.0, reach]) / size).astype(int)
+    copies = 1 + np.ceil((pad + np.array([0.0, reach])) / size).astype(int)
     for foot in feet:
         for x in range(-copies[0], copies[0] + 1):
             for y in range(-copies[1], copies[1] + 1):
                 own = foot + size * [x, y]
-                low, high = own - pile.yarn.width_mm, own + [pile.yarn.width_mm, reach]
+                low, high = own - pile.yarn.width_mm, own + np.array([pile.yarn.width_mm, reach])
                 if (high < -pad).any() or (low > size + pad).any():
                     continue
                 centre = np.stack(

@@ -5,19 +5,21 @@ import pytest
 
 pytest.importorskip("mitsuba")
 
-from lumenray.engine.transport import backend
-
-backend.start(False)
-
 import mitsuba as mi
 
 from lumenray.engine.cloth.boundary import reflect_share
 from lumenray.engine.cloth.thread_walk import ThreadOptics, walk_inside
 from lumenray.engine.paint.fresnel import face_reflectance
+from lumenray.engine.transport import backend
 
 pytestmark = [pytest.mark.mitsuba, pytest.mark.validation]
 
 INDEX = 1.557
+
+
+@pytest.fixture(autouse=True)
+def variant():
+    backend.start(spectral=False)
 
 
 def forward(g: float) -> np.ndarray:
