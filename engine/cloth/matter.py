@@ -1,7 +1,5 @@
 """What scatters and absorbs in a thread, by wavelength: from its scatterers and its dye to numbers for a walk."""
 
-from dataclasses import replace
-
 import numpy as np
 
 from ..paint.mie import scatter_spheres
@@ -62,8 +60,3 @@ def anchor_weights(anchors, wavelengths) -> np.ndarray:
     """How much each anchor counts at wavelengths. (a,), (w,) [nm] -> (a, w)"""
     anchors = np.asarray(anchors, np.float64)
     return np.array([np.interp(wavelengths, anchors, row) for row in np.eye(len(anchors))])
-
-
-def dyed(yarn: Yarn, spectrum) -> Yarn:
-    """The same yarn with another absorption."""
-    return replace(yarn, absorption=spectrum)

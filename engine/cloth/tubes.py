@@ -63,10 +63,6 @@ class Tubes:
     steps: np.ndarray
     periods: np.ndarray
 
-    def triangles(self) -> tuple[np.ndarray, np.ndarray]:
-        """Vertices (n, 3) and triangles (m, 3), two by two of one quad; see `make_triangles`."""
-        return make_triangles(self)
-
 
 def lay_out(
     cloth: Cloth, repeats: int = 1, margin: int = MARGIN, rings: int = RINGS_PER_CROSSING

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from lumenray.engine.cloth.reader import parse_cloth, read_cloth
-from lumenray.engine.cloth.tubes import lay_out, make_triangles
+from lumenray.engine.cloth.tubes import CORNERS, lay_out, make_triangles
 from lumenray.engine.errors import FileFormatError
 from lumenray.libraries import cloths
 
@@ -85,10 +85,12 @@ def test_yarns_touch_where_they_cross():
                 assert warp - weft == pytest.approx((1.0 if up[i, j] else -1.0) * 0.15, rel=1e-3)
 
 
-def test_bodies_are_closed_around_and_wind_outwards():
+def test_triangles_of_a_body_all_face_its_axis():
     tubes = lay_out(parse_cloth(CLOTH))
     points, faces = make_triangles(tubes)
-    corner = points[faces[0]]
-    normal = np.cross(corner[1] - corner[0], corner[2] - corner[0])
-    assert normal @ (corner[0] - tubes.centres[0, 0]) != 0.0
     assert faces.max() == len(points) - 1
+    rings = tubes.widths.shape[1]
+    first = points[faces[: 2 * CORNERS * (rings - 1)]]
+    normal = np.cross(first[:, 1] - first[:, 0], first[:, 2] - first[:, 0])
+    axis = tubes.centres[0, np.arange(len(first)) // (2 * CORNERS)]
+    assert ((first[:, 0] - axis) * normal).sum(axis=1).max() < 0.0
