@@ -24,6 +24,7 @@ MODULES = {
     "rayset": "rayset.commands",
     "brdf": "brdf.commands",
     "paint": "paint.commands",
+    "cloth": "cloth.commands",
     "spectrum": "spectrum.commands",
     "sky": "sky.commands",
     "environment": "environment.commands",

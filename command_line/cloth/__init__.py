@@ -1,0 +1,1 @@
+"""The commands ``lumenray cloth``: cloths from their yarns."""

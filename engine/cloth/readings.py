@@ -1,0 +1,134 @@
+"""What data sheets of cloths and screens state: openness, visible shares, cut-off angle, colours.
+
+Visible shares are weighed by D65 and the eye (EN 410). By EN 14500 a transmittance is from one direction of light or from
+everywhere (diffuse) to all directions; its straight part is told apart.
+
+References
+----------
+EN 14500:2021: Blinds and shutters - Thermal and visual comfort. EN 410:2011 for the weights.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..photometry.spectra import GRID, illuminant, luminous_efficiency
+from ..scattering.data.evaluation import totals
+from .woven import Woven
+
+STEPS = 24
+"""Points of the quadrature over angles of incidence."""
+
+TURNS = 8
+"""Rotations of the light over which diffuse shares are averaged."""
+
+NEAR_NOTHING = 5e-4
+"""Straight share below which a screen counts as closed. [-]"""
+
+
+@dataclass(frozen=True)
+class Sheet:
+    """Numbers of a data sheet.
+
+    Parameters
+    ----------
+    openness : float    Straight share of light along the normal. [-]
+    transmittance, reflectance, back_reflectance : float    Visible, of light along the normal, to all directions. [-]
+    diffused : float    Part of the transmittance that does not go straight. [-]
+    diffuse_transmittance, diffuse_reflectance : float    Visible, of light from everywhere onto the front. [-]
+    cutoff_warp_deg, cutoff_weft_deg : float
+        Angle from which on no direct light passes, light coming along the warp, and along the weft. [deg]
+    transmittance_error, reflectance_error : float    Standard errors of those along the normal. [-]
+    """
+
+    openness: float
+    transmittance: float
+    reflectance: float
+    back_reflectance: float
+    diffused: float
+    diffuse_transmittance: float
+    diffuse_reflectance: float
+    cutoff_warp_deg: float
+    cutoff_weft_deg: float
+    transmittance_error: float
+    reflectance_error: float
+
+
+def visible_weights(wavelengths) -> np.ndarray:
+    """Weights of shares at wavelengths in their mean under D65 as the eye sees it. (w,) [nm] -> (w,)"""
+    seen = illuminant(GRID, "D65") * luminous_efficiency()
+    tents = np.array([np.interp(GRID, wavelengths, row) for row in np.eye(len(wavelengths))])
+    return tents @ seen / seen.sum()
+
+
+def read_sheet(woven: Woven) -> Sheet:
+    """Read a cloth as its data sheet would state it."""
+    sides = woven.sides
+    weights = visible_weights(sides["front_reflection"].wavelengths)
+
+    def normal(side):
+        return float(totals(sides[side], [0.0], [0.0])[0, 0] @ weights)
+
+    def diffuse(side):
+        nodes, own = np.polynomial.legendre.leggauss(STEPS)
+        square = 0.5 * (nodes + 1.0)
+        turns = 2.0 * np.pi * (np.arange(TURNS) + 0.5) / TURNS
+        shares = totals(sides[side], np.arcsin(np.sqrt(square)), turns) @ weights
+        return float(0.5 * (shares.mean(axis=0) @ own))
+
+    transmittance = normal("front_transmission")
+    along_warp, along_weft = cutoff_angles(woven)
+    return Sheet(
+        woven.openness,
+        transmittance,
+        normal("front_reflection"),
+        normal("back_reflection"),
+        transmittance - woven.openness,
+        diffuse("front_transmission"),
+        diffuse("front_reflection"),
+        along_warp,
+        along_weft,
+        float(woven.errors["front_transmission"][0, 0] @ weights),
+        float(woven.errors["front_reflection"][0, 0] @ weights),
+    )
+
+
+def cutoff_angles(woven: Woven) -> tuple[float, float]:
+    """Angles from which on no direct light passes, along warp and weft, by the table's straight shares. [deg]
+
+    Between the table's angles the share is linear in the tangent, as behind bars of a thickness; 90 where it never ends.
+    """
+    table = woven.sides["front_transmission"]
+    found = []
+    for rotation in (0.5 * np.pi, 0.0):
+        place = int(np.argmin(np.abs(table.rotations - rotation)))
+        share = table.direct[place, :, 0].astype(np.float64)
+        if share[0] <= NEAR_NOTHING:
+            found.append(0.0)
+            continue
+        closed = np.flatnonzero(share <= NEAR_NOTHING)
+        if not len(closed):
+            found.append(90.0)
+            continue
+        last = closed[0] - 1
+        low, high = np.tan(table.incidences[last]), np.tan(table.incidences[closed[0]])
+        reach = high
+        if last > 0:
+            before = np.tan(table.incidences[last - 1])
+            slope = (share[last - 1] - share[last]) / (low - before)
+            reach = low + share[last] / max(slope, 1e-12)
+        found.append(float(np.degrees(np.arctan(min(max(reach, low), high)))))
+    return found[0], found[1]
+
+
+def hue_saturation_value(values, wavelengths) -> np.ndarray:
+    """Hue 0 to 1, saturation and value of a spectrum of shares under D65, by linear Rec. 709. (w,) -> (3,)"""
+    import colorsys
+
+    from ..photometry.colour import XYZ_TO_REC709
+    from ..photometry.spectra import observer
+
+    weights = illuminant(GRID, "D65")[:, None] * observer()
+    tents = np.array([np.interp(GRID, wavelengths, row) for row in np.eye(len(wavelengths))])
+    xyz = np.asarray(values) @ (tents @ weights) / weights[:, 1].sum()
+    return np.array(colorsys.rgb_to_hsv(*np.clip(np.asarray(XYZ_TO_REC709) @ xyz, 0.0, None)))

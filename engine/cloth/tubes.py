@@ -1,0 +1,198 @@
+"""Yarns of one repeat of a cloth as tubes: their frames along them, and triangles.
+
+Every tube has the same numbers of rings and of corners around, so that the number of a triangle and a place in it tell
+where along and around which tube it is. The point of a ring at the angle v is c + b cos v e1 + a sin v e2 with e1 across
+the cloth, e2 = t x e1, and t along the yarn. Lengths are mm.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..errors import SceneError
+from .composition import Cloth
+from .weave import heights
+
+CORNERS = 32
+"""Corners around a tube. [-]"""
+
+RINGS_PER_CROSSING = 12
+
+LEAST_RINGS = 24
+"""Rings of a tube."""
+
+MARGIN = 4
+"""Crossings that are there about a repeat."""
+
+PILE_MARGIN = 2
+"""Likewise, at most, where there is a pile, of which many ends would be there."""
+
+TIP = 0.15
+"""Share of a pile's length that narrows to its end."""
+
+MOST_PILE = 400
+"""Largest number of pile ends in one repeat."""
+
+
+@dataclass(frozen=True, eq=False)
+class Tubes:
+    """Tubes of a repeat, and of its neighbours as far as they reach into it.
+
+    Parameters
+    ----------
+    size : (2,) array    Of the repeat along x and y. [mm]
+    pad : (2,) array    How far beyond it all yarns are there. [mm]
+    low, high : float    Bounds along z. [mm]
+    kinds : (c,) int array    Which yarn each tube is of: 0 warp, 1 weft, 2 pile.
+    centres, tangents, ups : (c, k, 3) arrays    c, t and e1 of the rings. [mm], [-], [-]
+    widths, heights : (c, k) arrays    2 a and 2 b. [mm]
+    steps : (c,) array    Way along the tube from ring to ring, its mean. [mm]
+    periods : (c,) array    Rings of a repeat, by which a place along may be shifted; 0: the tube has ends.
+    """
+
+    size: np.ndarray
+    pad: np.ndarray
+    low: float
+    high: float
+    kinds: np.ndarray
+    centres: np.ndarray
+    tangents: np.ndarray
+    ups: np.ndarray
+    widths: np.ndarray
+    heights: np.ndarray
+    steps: np.ndarray
+    periods: np.ndarray
+
+
+def lay_out(
+    cloth: Cloth, repeats: int = 1, margin: int = MARGIN, rings: int = RINGS_PER_CROSSING
+) -> Tubes:
+    """Place the yarns of a cloth.
+
+    Parameters
+    ----------
+    repeats : int    Of the weave along both, which then are one repeat.
+    margin : int    Crossings by which tubes go on beyond it, on all sides.
+
+    Raises
+    ------
+    SceneError    The repeat has more pile ends than `MOST_PILE`.
+    """
+    up = np.tile(cloth.weave.is_warp_up, (repeats, repeats))
+    ends, picks = up.shape
+    if cloth.pile is not None:
+        margin = min(margin, PILE_MARGIN)
+    pitch = np.array([cloth.weave.warp_pitch_mm, cloth.weave.weft_pitch_mm])
+    size = pitch * [ends, picks]
+    # Warp and weft bend alike.
+    both = cloth.warp.height_mm + cloth.weft.height_mm
+    amplitudes = 0.5 * both, 0.5 * both
+    count = max(LEAST_RINGS, rings * (max(ends, picks) + 2 * margin)) + 1
+    parts = []
+    for kind, (yarn, amplitude) in enumerate(
+        zip((cloth.warp, cloth.weft), amplitudes, strict=True)
+    ):
+        along, across = (1, 0) if kind == 0 else (0, 1)
+        crossings = up.shape[along]
+        places = np.linspace(-margin, crossings + margin, count)
+        for number in range(-margin, up.shape[across] + margin):
+            states = up[number % ends, :] if kind == 0 else ~up[:, number % picks]
+            centre = np.zeros((count, 3))
+            centre[:, across] = (number + 0.5) * pitch[across]
+            centre[:, along] = places * pitch[along]
+            centre[:, 2] = heights(states, amplitude, places)
+            period = crossings * (count - 1) / (crossings + 2 * margin)
+            parts.append((kind, centre, np.ones(count), yarn, period))
+    high = 0.25 * both + 0.51 * max(cloth.warp.height_mm, cloth.weft.height_mm)
+    top = high
+    if cloth.pile is not None:
+        parts += _pile(cloth, size, pitch * (margin - 1), count)
+        top = max(high, cloth.pile.height_mm + cloth.pile.yarn.width_mm)
+    centres = np.array([part[1] for part in parts])
+    tangents = np.gradient(centres, axis=1)
+    tangents /= np.linalg.norm(tangents, axis=2, keepdims=True)
+    side = np.where(
+        np.array([part[0] for part in parts])[:, None, None] == 1, [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]
+    )
+    ups = np.cross(side, tangents)
+    flip = (ups[..., 2] < 0.0)[..., None] & (np.abs(ups[..., 2:]) > 1e-9)
+    ups = np.where(flip, -ups, ups)
+    ups /= np.linalg.norm(ups, axis=2, keepdims=True)
+    narrow = np.array([part[2] for part in parts])
+    lengths = np.linalg.norm(np.diff(centres, axis=1), axis=2).mean(axis=1)
+    return Tubes(
+        size,
+        pitch * (margin - 1),
+        -high,
+        top,
+        np.array([part[0] for part in parts]),
+        centres,
+        tangents,
+        ups,
+        narrow * np.array([part[3].width_mm for part in parts])[:, None],
+        narrow * np.array([part[3].height_mm for part in parts])[:, None],
+        lengths,
+        np.array([part[4] for part in parts], np.float64),
+    )
+
+
+def _pile(cloth: Cloth, size, pad, count: int):
+    """Tubes of the pile: ends on a jittered lattice, and their copies beside the repeat."""
+    pile = cloth.pile
+    number = max(1, round(pile.density_per_mm2 * size[0] * size[1]))
+    if number > MOST_PILE:
+        raise SceneError(
+            f"a repeat of '{cloth.name}' has {number} ends of pile, expected {MOST_PILE} at most"
+        )
+    columns = max(1, round(np.sqrt(number * size[0] / size[1])))
+    rows = max(1, round(number / columns))
+    rng = np.random.default_rng(5)
+    grid = np.stack(np.meshgrid(np.arange(columns), np.arange(rows), indexing="ij"), -1).reshape(
+        -1, 2
+    )
+    feet = (grid + 0.5 + 0.6 * (rng.random(grid.shape) - 0.5)) / [columns, rows] * size
+    share = np.linspace(0.0, 1.0, count)
+    shift = pile.height_mm * np.tan(pile.lean)
+    narrow = np.sqrt(np.clip((1.0 - share) / TIP, 1e-4, 1.0))
+    reach = shift + pile.yarn.width_mm
+    copies = 1 + np.ceil((pad + np.array([0.0, reach])) / size).astype(int)
+    for foot in feet:
+        for x in range(-copies[0], copies[0] + 1):
+            for y in range(-copies[1], copies[1] + 1):
+                own = foot + size * [x, y]
+                low, high = own - pile.yarn.width_mm, own + np.array([pile.yarn.width_mm, reach])
+                if (high < -pad).any() or (low > size + pad).any():
+                    continue
+                centre = np.stack(
+                    [np.full(count, own[0]), own[1] + share**2 * shift, share * pile.height_mm],
+                    axis=1,
+                )
+                yield 2, centre, narrow, pile.yarn, 0.0
+
+
+def make_triangles(tubes: Tubes, corners: int = CORNERS) -> tuple[np.ndarray, np.ndarray]:
+    """Vertices on the tubes, and triangles between them.
+
+    Triangles 2 q and 2 q + 1 are of the quad q = (tube, ring, corner) in this order, with the vertices (r, m), (r + 1, m),
+    (r + 1, m + 1) and (r, m), (r + 1, m + 1), (r, m + 1) of ring and corner.
+
+    Returns
+    -------
+    (n, 3) float64 array, (m, 3) uint32 array
+    """
+    tube_count, rings = tubes.widths.shape
+    turn = 2.0 * np.pi * np.arange(corners) / corners
+    across = np.cross(tubes.tangents, tubes.ups)
+    points = (
+        tubes.centres[:, :, None]
+        + 0.5 * tubes.heights[:, :, None, None] * np.cos(turn)[:, None] * tubes.ups[:, :, None]
+        + 0.5 * tubes.widths[:, :, None, None] * np.sin(turn)[:, None] * across[:, :, None]
+    ).reshape(-1, 3)
+    tube, ring, corner = np.meshgrid(
+        np.arange(tube_count), np.arange(rings - 1), np.arange(corners), indexing="ij"
+    )
+    first = (tube * rings + ring) * corners
+    following = (corner + 1) % corners
+    a, d = first + corner, first + following
+    b, c = a + corners, d + corners
+    return points, np.stack([a, b, c, a, c, d], axis=-1).reshape(-1, 3).astype(np.uint32)

@@ -1,0 +1,104 @@
+"""Tables of woven cloths: no light is made, openings are as wide as they are, ways and colours as dyes have them."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+pytest.importorskip("mitsuba")
+
+from lumenray.engine.cloth.composition import Cloth, Scatterers, Yarn
+from lumenray.engine.cloth.readings import hue_saturation_value, read_sheet
+from lumenray.engine.cloth.weave import plain
+from lumenray.engine.paint.composition import Curve, Diameters
+from lumenray.engine.scattering.data.evaluation import evaluate, totals
+from lumenray.engine.transport import backend
+
+pytestmark = [pytest.mark.mitsuba, pytest.mark.slow]
+
+BANDS = np.array([450.0, 550.0, 650.0])
+
+RAYS = 3000
+
+
+def yarn(width: float, absorption=0.0) -> Yarn:
+    dye = np.broadcast_to(np.asarray(absorption, float), BANDS.shape)
+    voids = Scatterers(Curve(BANDS[:1], np.ones(1)), Diameters(0.5), 0.005)
+    return Yarn(width, width, 1.557, 0.3, (voids,), Curve(BANDS, dye))
+
+
+def compute(thread: Yarn, rays: int = RAYS):
+    backend.start(spectral=False)
+    from lumenray.engine.cloth.woven import weave
+
+    return weave(Cloth(thread, thread, plain(0.2, 0.2)), BANDS, rays=rays, exits=48)
+
+
+@pytest.fixture(scope="module")
+def white():
+    return compute(yarn(0.14))
+
+
+@pytest.fixture(scope="module")
+def red():
+    return compute(yarn(0.14, [20.0, 20.0, 0.5]))
+
+
+def test_all_light_of_a_clear_cloth_leaves_it(white):
+    """T1 and T2: reflected, spread behind it and straight are 1 from everywhere, so that it is invisible in a furnace."""
+    table = white.sides["front_reflection"]
+    both = sum(
+        totals(white.sides[side], table.incidences, table.rotations)
+        for side in ("front_reflection", "front_transmission")
+    )
+    assert both == pytest.approx(1.0, abs=1e-6)
+    assert np.abs(white.absorbed["front"]).max() < 1e-9
+    assert white.lost == 0.0
+
+
+def test_openings_are_as_wide_as_they_are(white):
+    """Straight yarns of d / p = 0.7 leave 0.09 open (B7)."""
+    error = np.sqrt(0.09 * 0.91 / (2 * RAYS))
+    assert white.openness == pytest.approx(0.09, abs=4.0 * error)
+
+
+def test_both_ways_of_light_agree(white):
+    """T3, of light at 0 and 45 degrees: the mean over azimuths, as each count is of some tens of rays."""
+    turn = np.pi / 8.0 * np.arange(16)
+    slant = np.stack([np.cos(turn), np.sin(turn), np.ones(16)], axis=1) / np.sqrt(2.0)
+    up = np.tile([0.0, 0.0, 1.0], (16, 1))
+    for side in ("front_reflection", "front_transmission"):
+        there, back = (
+            evaluate(white.sides[side], *pair).mean() for pair in ((up, slant), (slant, up))
+        )
+        assert there == pytest.approx(back, rel=0.12)
+
+
+def test_light_behind_a_red_cloth_is_redder(red):
+    """Its ways are longer, without anything that is made for it."""
+    table = red.sides["front_reflection"]
+    reflected = totals(table, [0.0], [0.0])[0, 0]
+    behind = totals(red.sides["front_transmission"], [0.0], [0.0])[0, 0] - red.openness
+    assert behind[2] / behind[1] > 1.5 * reflected[2] / reflected[1]
+    assert red.absorbed["front"][0, 0, 1] > red.absorbed["front"][0, 0, 2] > 0.0
+
+
+def test_sheet_states_what_the_tables_hold(red):
+    sheet = read_sheet(red)
+    assert sheet.diffused == pytest.approx(sheet.transmittance - sheet.openness)
+    assert sheet.reflectance == pytest.approx(sheet.back_reflectance)
+    assert 40.0 < sheet.cutoff_warp_deg < 90.0
+    assert 0.0 < sheet.diffuse_transmittance < sheet.transmittance
+
+
+def test_hue_of_a_grey_is_none():
+    grey = hue_saturation_value(np.full(33, 0.5), np.arange(390.0, 711.0, 10.0))
+    assert grey[1] < 0.06
+    red = np.where(np.arange(390.0, 711.0, 10.0) > 610.0, 0.8, 0.01)
+    hue = hue_saturation_value(red, np.arange(390.0, 711.0, 10.0))[0]
+    assert min(hue, 1.0 - hue) < 0.05
+
+
+def test_more_dye_absorbs_more(red):
+    darker = compute(replace(yarn(0.14), absorption=Curve(BANDS, np.full(3, 100.0))))
+    assert (darker.absorbed["front"] > red.absorbed["front"]).all()
