@@ -2,8 +2,8 @@
 
 Directions are told by their tangential part s (n sin theta; the cell's orders lie lambda / L apart in it), in which
 scattering of power per d2s is symmetric between both ways and the same as a BRDF in air. Orders are single samples of
-speckle, exponentially distributed about the mean, so the mean is what is fitted: a series of few terms in both cosines and the
-azimuth, symmetric where reciprocity wants it, by least squares, which keeps totals.
+speckle, exponentially distributed about the mean, so the mean is what is fitted: a series of few terms in both cosines
+and the azimuth, symmetric where reciprocity wants it, by least squares, which keeps totals.
 
 The power of the order that goes on is that of the coherent wave and what is scattered there: the latter follows from the
 orders about it.

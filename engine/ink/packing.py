@@ -199,8 +199,9 @@ def _relax(packing: Packing) -> Packing:
     slack = SLACK * 2.0 * chains.radii
     count = len(centres)
     is_rod = chains.sizes > 1
-    watched = None
-    for step in range(MOST_STEPS):
+    watched, steps = None, 0
+    while steps < MOST_STEPS:
+        steps += 1
         places = centres[chains.owners] + chains.places[:, None] * axes[chains.owners]
         moved = np.inf if watched is None else np.abs(places - watched).max()
         if moved > 0.28 * skin:
@@ -253,7 +254,14 @@ def _relax(packing: Packing) -> Packing:
         )
     centres[:, :2] %= width
     return Packing(
-        centres, axes, packing.diameters, packing.kinds, packing.populations, width, thickness, step
+        centres,
+        axes,
+        packing.diameters,
+        packing.kinds,
+        packing.populations,
+        width,
+        thickness,
+        steps,
     )
 
 

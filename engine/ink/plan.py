@@ -126,8 +126,9 @@ def make_plan(ink: Ink, *, draft: bool = False, realisations: int | None = None)
     cells = columns**2 * layers
     if cells > MOST_CELLS or memory_of(ink, plan) > MOST_MEMORY:
         raise SceneError(
-            f"'{ink.name}' needs a grid of {columns} x {columns} x {layers} cells and {memory_of(ink, plan) / 2**30:.3g} GB, "
-            f"expected {MOST_MEMORY / 2**30:g} GB at most; take a narrower cell or fewer steps per diameter"
+            f"'{ink.name}' needs a grid of {columns} x {columns} x {layers} cells and "
+            f"{memory_of(ink, plan) / 2**30:.3g} GB, expected {MOST_MEMORY / 2**30:g} GB at most; "
+            "take a narrower cell or fewer steps per diameter"
         )
     return plan
 

@@ -281,6 +281,7 @@ class Printed:
         )
         weights = np.concatenate([self.nodes.weights[:count] for count in counts])
         goal = np.concatenate([1.0 - self._straight[side].sum(axis=0) for side in SIDES], axis=1)
+        goal = np.maximum(goal, 0.0)
         lost = np.concatenate(
             [
                 self._lost(side, self.nodes.tangential[:count])
@@ -334,8 +335,9 @@ class Printed:
 
     @cached_property
     def _returned(self) -> np.ndarray:
-        """What comes back from a substrate's table to above but for light that goes straight both ways, as matrices with
-        the roots of the weights. (w, m, n, n)
+        """What comes back from a substrate's table to above but for light that goes straight both ways. (w, m, n, n)
+
+        As matrices with the roots of the weights.
         """
         whole, straight = self._with_table()
         return whole - straight

@@ -45,7 +45,7 @@ def _structure(ink: Ink, plan: Plan, realisation: int) -> tuple[np.ndarray, floa
         packing = pack_ink(ink, plan.width, plan.seed, realisation)
         # Particles stand below the mean face; on a grid that begins at the highest crest.
         lowered = Packing(
-            packing.centres + [0.0, 0.0, crest], packing.axes, packing.diameters, packing.kinds,
+            packing.centres + np.array([0.0, 0.0, crest]), packing.axes, packing.diameters, packing.kinds,
             packing.populations, packing.width, whole, packing.steps,
         )  # fmt: skip
         shares = fill_shares(lowered, (layers, columns)) * (height / whole if crest else 1.0)

@@ -1,5 +1,6 @@
-"""Scattering of scalar waves by a sphere, u and du/dr the same on both sides of its surface: beside Mie's, what the scalar
-model leaves out.
+"""Scattering of scalar waves by a sphere; beside Mie's, it tells what the scalar model leaves out.
+
+The field u and its slope du/dr are the same on both sides of the surface.
 
 With x = k a in the binder and y = m x inside, partial waves scatter as
 

@@ -149,8 +149,9 @@ class Waves:
         )
         if found.residual > tolerance:
             raise SceneError(
-                f"waves of {2000.0 * np.pi / self.k0:.0f} nm do not settle in the layer: residual {found.residual:.2g} after "
-                f"{found.iterations} iterations, expected {tolerance:g}; change the cell's width by a hundredth"
+                f"waves of {2000.0 * np.pi / self.k0:.0f} nm do not settle in the layer: residual "
+                f"{found.residual:.2g} after {found.iterations} iterations, expected "
+                f"{tolerance:g}; change the cell's width by a hundredth"
             )
         sent = self._send_out(self._strength * found.answer)
         sent[0][order] += up
@@ -202,10 +203,10 @@ class Waves:
     def _undisturbed(self, order):
         """Field of a wave in the homogeneous layer, as means over cells, and its amplitudes outside."""
         layers, rows, columns = self.cell.permittivity.shape
-        inner, above, below, upper, lower, through, loop, mean = (
+        inner, above, upper, lower, through, loop, mean = (
             each[order]
             for each in (
-                self._inner, self.above, self.below, self._upper, self._lower, self._through, self._loop, self._mean,
+                self._inner, self.above, self._upper, self._lower, self._through, self._loop, self._mean,
             )
         )  # fmt: skip
         z = (np.arange(layers) + 0.5) * self._step
@@ -222,7 +223,7 @@ class Waves:
 
     def _send_out(self, source) -> list[np.ndarray]:
         """Amplitudes that a source sends out above and below."""
-        layers, rows, columns = source.shape
+        _, rows, columns = source.shape
         down, up = self._sums(np.fft.fft2(source, axes=(1, 2)))
         scale = 0.5j / self._inner * self._step * self._mean / self._loop
         scale = scale / self._half_stride / (rows * columns)

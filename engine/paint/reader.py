@@ -190,6 +190,7 @@ class Quantities:
         self.path, self.parts = path, parts
 
     def spectrum(self, content, place: str, most: float = math.inf) -> Spectrum:
+        """Make a spectrum. Raises ValueError where it breaks what it has to keep, as `index`."""
         if isinstance(content, dict):
             curve = Curve(*_pairs(content["wavelengths_nm"], content["values"], f"{place}.values"))
         else:
@@ -201,6 +202,7 @@ class Quantities:
         return curve
 
     def index(self, content, place: str) -> Index:
+        """Make a refractive index."""
         if isinstance(content, str):
             return self.index(_named(self.parts, "indices", content, place)["index"], place)
         if not isinstance(content, dict):

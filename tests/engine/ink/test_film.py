@@ -89,10 +89,9 @@ def test_a_white_furnace_stays_white(scattering):
 
 def test_prints_are_reciprocal(scattering):
     rng = np.random.default_rng(1)
-    wi, wo = rng.normal(size=(2, 200, 3))
-    for each in (wi, wo):
-        each[:, 2] = np.abs(each[:, 2])
-        each /= np.linalg.norm(each, axis=1, keepdims=True)
+    both = rng.normal(size=(2, 200, 3))
+    both[..., 2] = np.abs(both[..., 2])
+    wi, wo = both / np.linalg.norm(both, axis=2, keepdims=True)
     np.testing.assert_allclose(
         scattering.evaluate(wi, wo), scattering.evaluate(wo, wi), rtol=1e-9, atol=1e-12
     )
