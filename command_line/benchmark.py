@@ -115,6 +115,24 @@ def add_command(commands) -> None:
         action="store_true",
         help="go on with the results that --json already holds; of these only --parts are measured again",
     )
+    ink = _add(
+        kinds,
+        "ink",
+        _run_ink,
+        "dense pigment layers against reference values, colours by the size of particles, cost",
+        "of a part",
+    )
+    ink.add_argument(
+        "--parts",
+        type=words,
+        metavar="A,B",
+        help="only these of reference, dense, trend, processes (default: all)",
+    )
+    ink.add_argument(
+        "--resume",
+        action="store_true",
+        help="go on with the results that --json already holds; of these only --parts are measured again",
+    )
     environment = _add(
         kinds,
         "environment",
@@ -382,6 +400,17 @@ def _run_paint(options, say) -> int:
     bars = paint.check_bars(result)
     tell(tell_bars(bars))
     _write(paint, result, options, not set(paint.PARTS) <= result["parts"].keys())
+    return int(any(bar.passed is False for bar in bars))
+
+
+def _run_ink(options, say) -> int:
+    from ..benchmarks.common.bars import tell_bars
+    from ..benchmarks.ink import run as ink
+
+    result = ink.run(options.parts, say, _read_earlier(options, ink))
+    bars = ink.check_bars(result)
+    tell(tell_bars(bars))
+    _write(ink, result, options, not set(ink.PARTS) <= result["parts"].keys())
     return int(any(bar.passed is False for bar in bars))
 
 

@@ -25,6 +25,7 @@ MODULES = {
     "brdf": "brdf.commands",
     "paint": "paint.commands",
     "cloth": "cloth.commands",
+    "ink": "ink.commands",
     "spectrum": "spectrum.commands",
     "sky": "sky.commands",
     "environment": "environment.commands",
@@ -52,6 +53,7 @@ EPILOG = """examples:
   lumenray rayset info led.ray
   lumenray brdf info paint.bsdf
   lumenray paint plot colour_travel -o colour_travel.png
+  lumenray ink compute cyan_fine --draft
   lumenray sky info --place Berlin --time 2026-06-21T12:00
   lumenray environment analyse street.hdr
   lumenray glare fisheye.exr

@@ -221,11 +221,55 @@ def _named(parts: dict, kind: str, name: str, place: str) -> dict:
     return {key: value for key, value in parts[kind][name].items() if key != "source"}
 
 
-class _Maker:
-    """Makes a paint of a checked description without constituents left out."""
+class Quantities:
+    """Makes spectra and indices of what a checked description says of them.
+
+    Parameters
+    ----------
+    path : str or Path    Of the description.
+    parts : dict    As of `known_constituents`.
+    """
 
     def __init__(self, path, parts: dict):
         self.path, self.parts = path, parts
+
+    def spectrum(self, content, place: str, most: float = math.inf) -> Spectrum:
+        """Make a spectrum. Raises ValueError where it breaks what it has to keep, as `index`."""
+        if isinstance(content, dict):
+            curve = Curve(*_pairs(content["wavelengths_nm"], content["values"], f"{place}.values"))
+        else:
+            curve = Curve(np.array([550.0]), np.array([float(content)]))
+        if curve.values.max() > most:
+            raise ValueError(
+                f"{place} is {curve.values.max():g} somewhere, expected {most:g} at most"
+            )
+        return curve
+
+    def index(self, content, place: str) -> Index:
+        """Make a refractive index."""
+        names = set()
+        while isinstance(content, str):
+            if content in names:
+                raise ValueError(f"{place} names '{content}', which names itself")
+            names.add(content)
+            content = _named(self.parts, "indices", content, place)["index"]
+        if not isinstance(content, dict):
+            return Curve(np.array([550.0]), np.array([float(content)]))
+        if "cauchy_um" in content:
+            index = Cauchy(tuple(float(term) for term in content["cauchy_um"]))
+            if index.at([300.0, 1200.0]).min() < 1.0:
+                raise ValueError(f"{place} falls below 1 between 300 and 1200 nm")
+            return index
+        wavelengths, values = _pairs(content["wavelengths_nm"], content["n"], f"{place}.n")
+        if "k" in content:
+            values = values + 1j * _pairs(content["wavelengths_nm"], content["k"], f"{place}.k")[1]
+        if not np.abs(values).min() > 0.0:
+            raise ValueError(f"{place} is 0 somewhere")
+        return Curve(wavelengths, values)
+
+
+class _Maker(Quantities):
+    """Makes a paint of a checked description without constituents left out."""
 
     def paint(self, content: dict) -> Paint:
         layers = tuple(self.layer(own, f"layers[{k}]") for k, own in enumerate(content["layers"]))
@@ -351,38 +395,6 @@ class _Maker:
             phase,
             name,
         )
-
-    def spectrum(self, content, place: str, most: float = math.inf) -> Spectrum:
-        if isinstance(content, dict):
-            curve = Curve(*_pairs(content["wavelengths_nm"], content["values"], f"{place}.values"))
-        else:
-            curve = Curve(np.array([550.0]), np.array([float(content)]))
-        if curve.values.max() > most:
-            raise ValueError(
-                f"{place} is {curve.values.max():g} somewhere, expected {most:g} at most"
-            )
-        return curve
-
-    def index(self, content, place: str) -> Index:
-        names = set()
-        while isinstance(content, str):
-            if content in names:
-                raise ValueError(f"{place} names '{content}', which names itself")
-            names.add(content)
-            content = _named(self.parts, "indices", content, place)["index"]
-        if not isinstance(content, dict):
-            return Curve(np.array([550.0]), np.array([float(content)]))
-        if "cauchy_um" in content:
-            index = Cauchy(tuple(float(term) for term in content["cauchy_um"]))
-            if index.at([300.0, 1200.0]).min() < 1.0:
-                raise ValueError(f"{place} falls below 1 between 300 and 1200 nm")
-            return index
-        wavelengths, values = _pairs(content["wavelengths_nm"], content["n"], f"{place}.n")
-        if "k" in content:
-            values = values + 1j * _pairs(content["wavelengths_nm"], content["k"], f"{place}.k")[1]
-        if not np.abs(values).min() > 0.0:
-            raise ValueError(f"{place} is 0 somewhere")
-        return Curve(wavelengths, values)
 
 
 def _pairs(places: list, values: list, where: str) -> tuple[np.ndarray, np.ndarray]:

@@ -1,0 +1,98 @@
+"""The document of what was measured of dense pigment layers."""
+
+from ...engine.analysis.ink_picture import draw_patches
+from ..common.document import make_table, tell_demands
+
+GROUPS = {
+    "C1": "scalar spheres, sums of partial waves",
+    "C2": "films and a stack by tmm; the stack on 20, 40, 80 cells, and what the finer two extrapolate to",
+    "C3": "energy and reciprocity of a random layer",
+    "C4": "one sphere: its forward amplitude in closed form, and on a grid",
+    "C5": "molecules: films of the mean permittivity",
+    "C6": "films on paper, and the white furnace",
+    "C7": "volumes of chains of spheres",
+    "C9": "dense layers of spheres: reflected, transmitted, absorbed, diffusely transmitted",
+    "C10": "a dilute layer against spheres one by one",
+    "C11": "films in both polarisations",
+}
+
+
+def describe(result: dict, bars) -> str:
+    """Markdown of all results."""
+    parts = result["parts"]
+    chapters = [
+        "# Dense pigment layers\n\nMade by `lumenray benchmark ink`; formulas are in [theory.md](../theory.md), "
+        "chapter 18.\n",
+        "Measured on {cpu}, {cores} cores, {system}, Python {python}.\n".format(
+            **result["machine"]
+        ),
+        tell_demands(bars),
+    ]
+    rows = [*parts.get("reference", {}).get("rows", []), *parts.get("dense", [])]
+    if rows:
+        chapters.append(_reference(rows))
+    if "trend" in parts:
+        chapters.append(_trend(parts["trend"]))
+    if "processes" in parts:
+        seconds = parts["processes"]["seconds"]
+        chapters.append(
+            "## Processes\n\n"
+            f"The same job takes {seconds['one']:.1f} s with one process, {seconds['two']:.1f} s with two, and "
+            f"{seconds['twice']:.1f} s with one and twice the realisations.\n"
+        )
+    return "\n".join(chapters)
+
+
+def draw_trend(rows):
+    """Patches of all colours by the size of particles."""
+    colours = list(dict.fromkeys(row["colour"] for row in rows))
+    patches = [
+        (name, [(_size(row), row["reflectance"]) for row in rows if row["colour"] == name])
+        for name in colours
+    ]
+    return draw_patches(patches, rows[0]["wavelengths_nm"])
+
+
+def _reference(rows) -> str:
+    lines = []
+    for group, words in GROUPS.items():
+        own = [row for row in rows if row["id"].split(".")[0] == group]
+        if not own:
+            continue
+        worst = max((row["ratio"] for row in own if row["ratio"] is not None), default=0.0)
+        bad = [row["id"] for row in own if row["verdict"] != "pass"]
+        lines.append(
+            f"| {group} | {words} | {len(own)} | {worst:.2g} | {', '.join(bad) or 'none'} |"
+        )
+    table = make_table(
+        "| group | what | values | largest difference over allowed | apart |", lines, 2
+    )
+    return (
+        "## Reference values\n\nAllowed is the tolerance stated with each value and, of layers with particles by chance, "
+        "four standard errors of both.\n\n" + table
+    )
+
+
+def _trend(rows) -> str:
+    lines = []
+    for row in rows:
+        lab = " | ".join(f"{value:.1f}" for value in row["lab"])
+        lines.append(
+            f"| {row['colour']} | {_size(row)} | {lab} | {row['chroma']:.1f} | {row['lab_error']:.1g} | "
+            f"{row['absorbed']:.3f} | {row['grid_error']:.1g} | {row['iterations']:.1f} |"
+        )
+    table = make_table(
+        "| pigment | particles | L* | a* | b* | chroma | error | absorbed at the band's peak | grid | iterations |",
+        lines,
+        2,
+    )
+    return (
+        "## Colours by the size of particles\n\n30 % of pigment in 1 um on paper of 0.9, light at 45 degrees seen along the "
+        "normal, D50; drafts. Small particles absorb more: the same amount of pigment is deeper in colour.\n\n"
+        + table
+        + "\n\n![Printed patches by the size of particles](ink_sizes.png)\n"
+    )
+
+
+def _size(row) -> str:
+    return f"{row['size_um']:g} um" if row["size_um"] else "molecules"

@@ -1,0 +1,1 @@
+"""The commands ``lumenray ink``: dense pigment layers from their composition."""

@@ -1,0 +1,161 @@
+"""Processes that solve realisations, each on one processor; tied to their parent, and gone with it.
+
+A process is told its order in one line of JSON on standard input, then a task in each line: realisation, band, and whether
+on the grid of twice the step. It answers each with a line of JSON, the length of what follows, and that: a numpy archive
+without pickled objects. What goes wrong in a way that people can mend is the line's ``fault``.
+"""
+
+import io
+import json
+import os
+import queue
+import subprocess
+import sys
+import threading
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import EngineLost, SceneError
+
+ROOT = Path(__file__).parents[2]
+
+BOOTSTRAP = """
+import importlib.util, json, sys
+order = json.loads(sys.stdin.buffer.readline())
+sys.path[:] = order["search_path"]
+spec = importlib.util.spec_from_file_location(
+    "lumenray", order["root"] + "/__init__.py", submodule_search_locations=[order["root"]]
+)
+sys.modules["lumenray"] = importlib.util.module_from_spec(spec)
+from lumenray.engine.ink import crew
+crew.work(order)
+"""
+"""Inside Blender the package has another name, so the new process finds it by its folder."""
+
+ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
+"""Sums of several threads depend on their number; and processes share the processors already."""
+
+Task = tuple[int, int, bool]
+"""Realisation, band, and whether on the coarse grid."""
+
+
+def work(order: dict) -> None:
+    """Solve what comes on standard input until it ends."""
+    from .plan import Plan
+    from .reader import parse_ink
+    from .realisation import solve_unit
+
+    # Whatever a library prints must not get into the answers.
+    answers = os.fdopen(os.dup(1), "wb")
+    os.dup2(2, 1)
+    ink = parse_ink(order["content"])
+    stated = order["plan"]
+    plan = Plan(
+        **stated
+        | {
+            "wavelengths": tuple(stated["wavelengths"]),
+            "sines": tuple(stated["sines"]),
+        }
+    )
+    plans = {False: plan, True: plan.halved()}
+    for line in sys.stdin.buffer:
+        realisation, band, is_coarse = json.loads(line)
+        try:
+            held = io.BytesIO()
+            np.savez(held, **solve_unit(ink, plans[is_coarse], realisation, band))
+            data, head = held.getvalue(), {}
+        except SceneError as error:
+            data, head = b"", {"fault": str(error)}
+        answers.write(json.dumps(head | {"length": len(data)}).encode() + b"\n" + data)
+        answers.flush()
+
+
+def run_tasks(order: dict, tasks: list[Task], processes: int) -> Iterator[tuple[Task, bytes]]:
+    """Let processes do tasks; closing the iterator ends them.
+
+    Parameters
+    ----------
+    order : dict    ``content`` of an ink and ``plan``, as JSON takes them.
+    tasks : list of Task
+    processes : int
+
+    Yields
+    ------
+    (Task, bytes)    In the order in which they are done.
+
+    Raises
+    ------
+    SceneError    What a process says cannot be done.
+    EngineLost    A process ended by itself.
+    """
+    waiting: queue.SimpleQueue = queue.SimpleQueue()
+    for task in tasks:
+        waiting.put(task)
+    done: queue.SimpleQueue = queue.SimpleQueue()
+    hands = [_start(order) for _ in range(min(processes, len(tasks)))]
+    threads = [
+        threading.Thread(target=_lead, args=(hand, waiting, done), daemon=True) for hand in hands
+    ]
+    try:
+        for thread in threads:
+            thread.start()
+        for _ in tasks:
+            task, result = done.get()
+            if isinstance(result, Exception):
+                raise result
+            yield task, result
+    finally:
+        for hand in hands:
+            hand.kill()
+        for thread in threads:
+            thread.join()
+        for hand in hands:
+            hand.wait()
+            hand.stdin.close()
+            hand.stdout.close()
+
+
+def _start(order: dict) -> subprocess.Popen:
+    whole = order | {"root": str(ROOT), "search_path": list(sys.path)}
+    try:
+        hand = subprocess.Popen(  # noqa: S603 - this very Python and our own text
+            [sys.executable, "-I", "-X", "utf8", "-c", BOOTSTRAP],
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+            env=os.environ | ONE_THREAD,
+        )
+    except OSError as error:
+        raise EngineLost(
+            f"a process for the pigment layer cannot be started: {error}; free memory"
+        ) from error
+    hand.stdin.write(json.dumps(whole).encode() + b"\n")
+    hand.stdin.flush()
+    return hand
+
+
+def _lead(hand: subprocess.Popen, waiting, done) -> None:
+    """Hand tasks to one process until there are none."""
+    task = None
+    try:
+        while True:
+            task = waiting.get_nowait()
+            hand.stdin.write(json.dumps(task).encode() + b"\n")
+            hand.stdin.flush()
+            line = hand.stdout.readline()
+            head = json.loads(line) if line else None
+            data = hand.stdout.read(head["length"]) if head else b""
+            if head is None or len(data) < head["length"]:
+                break
+            if "fault" in head:
+                done.put((task, SceneError(head["fault"])))
+                return
+            done.put((task, data))
+    except queue.Empty:
+        return
+    except (OSError, ValueError):
+        # It ended while it was written to, or in the midst of an answer.
+        pass
+    lost = "a process for the pigment layer ended by itself; free memory, or take fewer processes; what was solved is kept"
+    done.put((task, EngineLost(lost)))
