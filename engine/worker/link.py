@@ -38,6 +38,7 @@ JOB_NAMES = {
     "find_daylight": "daylight of the year",
     "find_lumels": "layout of maps",
     "bake_objects": "bake",
+    "compute_paint": "computation of a paint",
 }
 """What people call the jobs."""
 
