@@ -22,8 +22,6 @@ BOUNDS = ("C3.reciprocity",)
 TIGHT = {"C2.slab": 1e-8, "C2.ls": 1e-6, "C2.multilayer": 2e-4, "C3.reciprocity": 1e-10}
 """Tolerances in place of those that are stated: of `C2.multilayer`, of what two grids extrapolate to."""
 
-SPREADS = {"C9.": (values.GENERATOR_SPREAD,) * 4}
-
 __all__ = ["PARTS", "check_bars", "read_results", "run", "write_results"]
 
 

@@ -26,9 +26,6 @@ BINDER, WAVELENGTH = 1.558, 0.55
 STACK = (20, 40, 80)
 """Cells along the depth by which convergence is told."""
 
-GENERATOR_SPREAD = 3e-3
-"""By which layers of another generator of particles may differ, as the reference's own tolerance says. [-]"""
-
 REALISATIONS, DILUTE = 3, 6
 
 
