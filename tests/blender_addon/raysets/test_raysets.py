@@ -7,7 +7,7 @@ from mathutils import Euler
 from panels import context, draw, interface
 from ray_files import zemax
 
-from lumenray.benchmarks.raysets.sources import disk, even_numbers
+from lumenray.benchmarks.common.ray_sources import disk, even_numbers
 from lumenray.blender_addon.foundation.report import ConversionReport, Severity
 from lumenray.blender_addon.raysets import cloud_drawing
 from lumenray.blender_addon.raysets import readout as rayset_readout

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from ray_files import zemax
 
-from lumenray.benchmarks.raysets.sources import disk, even_numbers
+from lumenray.benchmarks.common.ray_sources import disk, even_numbers
 from lumenray.engine.errors import FileFormatError
 from lumenray.engine.raysets import cloud, emission
 from lumenray.engine.raysets.cloud import Fluctuation
