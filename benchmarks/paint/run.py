@@ -154,7 +154,7 @@ def check_bars(result: dict) -> list[Bar]:
     tables = parts.get("tables")
     for key, words, limit in (
         ("clamped", "T4: light that is clamped", 1e-4),
-        ("inner_reciprocity", "T3: reciprocity of tables within 85 degrees of the normal", 0.02),
+        ("reciprocity", "T3: reciprocity of tables", 0.02),
         ("energy", "T1: largest total of tables", 1.0 + 1e-6),
         ("furnace", "T2: light that paints without absorption lose", 1e-3),
     ):
