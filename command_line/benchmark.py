@@ -194,6 +194,18 @@ def add_command(commands) -> None:
     )
     _add(kinds, "kernels", _run_kernels, "what is built for pictures of the office, and for edits")
     _add(kinds, "nodes", _run_nodes, "graphs of nodes beside pictures on surfaces, in the office")
+    versions = _add(
+        kinds,
+        "versions",
+        _run_versions,
+        "the office by this version and by another one, side by side",
+    )
+    versions.add_argument(
+        "checkout",
+        type=Path,
+        metavar="CHECKOUT",
+        help="folder 'lumenray' with the other version, such as 'git worktree add' makes",
+    )
     _add_with_peers(kinds)
     _add_pictures(kinds)
 
@@ -569,6 +581,16 @@ def _run_nodes(options, say) -> int:
     result = nodes.run(say=say)
     tell(tell_bars(nodes.check_bars(result)))
     _write(nodes, result, options)
+    return 0
+
+
+def _run_versions(options, say) -> int:
+    from ..benchmarks.common.bars import tell_bars
+    from ..benchmarks.versions import run as versions
+
+    result = versions.run(options.checkout, say)
+    tell(tell_bars(versions.check_bars(result)))
+    _write(versions, result, options)
     return 0
 
 

@@ -12,7 +12,7 @@ with loaded_when_used():
     from . import description
 
 KEPT = 32
-"""Paints that are kept, of 5 MB each or so."""
+"""Paints that are kept, of 8 MB each or so."""
 
 REST = 0.4
 """How long sliders must have been still before a table is computed, which spheres need not wait for. [s]"""

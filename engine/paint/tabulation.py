@@ -19,13 +19,13 @@ from .solution import WAVELENGTHS, Resolution, Solution, solve
 PREVIEW, STANDARD, FINE = 3.0, 2.0, 1.0
 """Steps of the angle of incidence for a look, for use, and for measuring. [deg]"""
 
-GRAZING = np.radians([82.0, 84.0, 86.0, 87.5, 89.0])
+GRAZING = np.radians([82.0, 84.0, 86.0, 87.5, 88.5, 89.5])
 """Last angles of incidence. [rad]"""
 
 LOBE = 45.0
 """Radial angle up to which the step is even. [deg]"""
 
-BEYOND = (*np.arange(50.0, 131.0, 5.0), 140.0, 150.0, 165.0, 180.0)
+BEYOND = (*np.arange(47.5, 90.0, 2.5), *np.arange(90.0, 131.0, 5.0), 140.0, 150.0, 165.0, 180.0)
 """Radial angles farther out, where the horizon cuts through cells. [deg]"""
 
 BEYOND_OF_LOOK = (52.0, 60.0, 75.0, 90.0, 110.0, 130.0, 150.0, 180.0)
@@ -156,7 +156,7 @@ def axes_of(solution: Solution, step: float) -> tuple[np.ndarray, np.ndarray, np
     return (
         incidences,
         np.radians(radials),
-        np.linspace(0.0, np.pi, 9 if step >= PREVIEW else 19 if step > FINE else 25),
+        np.linspace(0.0, np.pi, 9 if step >= PREVIEW else 25),
     )
 
 
