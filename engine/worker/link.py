@@ -32,13 +32,16 @@ LOG_LINES = 50
 
 JOB_NAMES = {
     "status": "check",
+    "explain": "choice of models",
     "render": "render",
+    "write_spectral": "writing of a spectral picture",
+    "mix_maps": "mixing of maps",
+    "compute_paint": "computation of a paint",
     "measure": "measurement",
     "measure_sensors": "measurement",
     "find_daylight": "daylight of the year",
     "find_lumels": "layout of maps",
     "bake_objects": "bake",
-    "compute_paint": "computation of a paint",
 }
 """What people call the jobs."""
 

@@ -38,7 +38,7 @@ SUN = np.array([-0.45, -0.55, 0.70])
 SIZE, CLOSE = (420, 236), (236, 236)
 """Of the view, and of that close by. [pixel]"""
 
-SAMPLES_OF_PIXEL = 48
+SAMPLES_OF_PIXEL = 160
 
 WHITE = 9000.0
 """Luminance that is shown as white. [cd/m2]"""
@@ -135,7 +135,7 @@ def draw(preset: str) -> np.ndarray:
         Material("paint", "Paint", surface),
         ground,
         Material("rubber", "Rubber", Diffuse(Constant(0.04))),
-        make_rectangle("floor", (-30, -30, 0), (60, 0, 0), (0, 60, 0), "ground"),
+        make_rectangle("floor", (-900, -900, 0), (1800, 0, 0), (0, 1800, 0), "ground"),
         make_body("paint"),
         make_ball("ball", 0.28, ball, "paint", 96),
         *(
