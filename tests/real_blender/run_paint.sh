@@ -18,4 +18,4 @@ rm -rf "$LUMENRAY_OUT/paint"
   mkdir -p /out/paint
   blender --window-geometry 0 0 1600 1200 --python /project/tests/real_blender/paint_slider.py >/out/paint/log.txt 2>&1 || true'
 grep -e "FAILED" -e "Traceback" "$LUMENRAY_OUT/paint/log.txt" >&2 && exit 1
-grep -e "processors" -e "clock" "$LUMENRAY_OUT/paint/log.txt"
+grep -e "processors" -e "clock" -e "other" "$LUMENRAY_OUT/paint/log.txt"
