@@ -201,7 +201,9 @@ def test_a_bake_waits_for_a_render(worker, jobs):
     )
     wait_for(begun(states))
     worker.session("b").bake_objects(order(2))
-    assert render.done()
+    render.result(60)
+    names = ["begin render", "end render", "begin bake", "end bake"]
+    assert places(worker, *names) == sorted(places(worker, *names))
 
 
 def test_a_delta_waits_for_the_job_of_its_own_session(worker, jobs):

@@ -2,8 +2,10 @@
 
 import time
 
+import pytest
 from workers import begun, events, live, measure, open_files, room, wait_for, watch
 
+from lumenray.engine.errors import Cancelled
 from lumenray.engine.scene.scene import SceneDelta
 
 
@@ -42,11 +44,13 @@ def test_no_frame_comes_after_the_end_of_a_view(worker):
 
 def test_only_the_newest_of_waiting_views_is_computed(worker, jobs):
     session, states = worker.session("a"), []
-    job = jobs.submit(measure, session, 40, progress=states.append)
+    job = jobs.submit(measure, session, 100_000, progress=states.append)
     wait_for(begun(states))
     for number in range(100):
         watch(session, live(5, seed=number))
-    job.result(60)
+    session.cancel()
+    with pytest.raises(Cancelled):
+        job.result(60)
     wait_for(lambda: not session.has_view_work)
     story = events(worker)
     assert [event for event in story if event.startswith("watch")] == ["watch 99"]
