@@ -167,16 +167,14 @@ def test_what_progress_raises_ends_the_job(worker):
 
 def test_urgent_jobs_run_inside_the_others(worker, jobs):
     states, calm = [], worker.session("bake")
-    bake = jobs.submit(calm.bake_objects, order(300), states.append)
+    bake = jobs.submit(calm.bake_objects, order(500), states.append)
     wait_for(begun(states))
-    measured = jobs.submit(measure, worker.session("lux"), 60)
-    time.sleep(0.1)
+    measuring = []
+    measured = jobs.submit(measure, worker.session("lux"), 200, progress=measuring.append)
+    wait_for(begun(measuring))
     rendered = jobs.submit(worker.session("render").render, camera(), view(20))
-    rendered.result(60)
-    assert not measured.done()
-    measured.result(60)
-    assert not bake.done()
-    bake.result(60)
+    for job in (rendered, measured, bake):
+        job.result(60)
     names = ["begin bake", "begin measure", "begin render", "end render", "end measure", "end bake"]
     assert places(worker, *names) == sorted(places(worker, *names))
     assert any(state.stage.startswith("paused for the") for state in states)
