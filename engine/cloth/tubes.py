@@ -2,7 +2,7 @@
 
 Every tube has the same numbers of rings and of corners around, so that the number of a triangle and a place in it tell
 where along and around which tube it is. The point of a ring at the angle v is c + b cos v e1 + a sin v e2 with e1 across
-the cloth, e2 = t x e1, and t along the yarn. Lengths are mm.
+the cloth, e2 = t x e1, and t along the yarn. From ring to ring there is the same area. Lengths are mm.
 """
 
 from dataclasses import dataclass
@@ -16,7 +16,16 @@ from .weave import heights
 CORNERS = 32
 """Corners around a tube. [-]"""
 
+ABOUT = 128
+"""Cuts of half a section, between which its area grows evenly. A power of two."""
+
+SHARPEST = 0.95
+"""Largest curvature of a yarn times half its height; a sharper bend would fold its surface. [-]"""
+
 RINGS_PER_CROSSING = 12
+
+FINER = 16
+"""Steps from ring to ring by which a yarn's length is measured."""
 
 LEAST_RINGS = 24
 """Rings of a tube."""
@@ -46,6 +55,7 @@ class Tubes:
     kinds : (c,) int array    Which yarn each tube is of: 0 warp, 1 weft, 2 pile.
     centres, tangents, ups : (c, k, 3) arrays    c, t and e1 of the rings. [mm], [-], [-]
     widths, heights : (c, k) arrays    2 a and 2 b. [mm]
+    bends : (c, k) array    b dt/ds . e1: by how much the upper side is shorter than the centre line. [-]
     steps : (c,) array    Way along the tube from ring to ring, its mean. [mm]
     periods : (c,) array    Rings of a repeat, by which a place along may be shifted; 0: the tube has ends.
     """
@@ -60,6 +70,7 @@ class Tubes:
     ups: np.ndarray
     widths: np.ndarray
     heights: np.ndarray
+    bends: np.ndarray
     steps: np.ndarray
     periods: np.ndarray
 
@@ -94,14 +105,18 @@ def lay_out(
     ):
         along, across = (1, 0) if kind == 0 else (0, 1)
         crossings = up.shape[along]
-        places = np.linspace(-margin, crossings + margin, count)
         for number in range(-margin, up.shape[across] + margin):
             states = up[number % ends, :] if kind == 0 else ~up[:, number % picks]
+            fine = np.linspace(-margin, crossings + margin, FINER * (count - 1) + 1)
+            rise = np.diff(heights(states, amplitude, fine))
+            way = np.append(0.0, np.cumsum(np.hypot(rise, np.diff(fine) * pitch[along])))
+            places = np.interp(np.linspace(0.0, way[-1], count), way, fine)
             centre = np.zeros((count, 3))
             centre[:, across] = (number + 0.5) * pitch[across]
             centre[:, along] = places * pitch[along]
             centre[:, 2] = heights(states, amplitude, places)
-            period = crossings * (count - 1) / (crossings + 2 * margin)
+            repeat = np.interp(crossings, fine, way) - np.interp(0.0, fine, way)
+            period = (count - 1) * repeat / way[-1]
             parts.append((kind, centre, np.ones(count), yarn, period))
     high = 0.25 * both + 0.51 * max(cloth.warp.height_mm, cloth.weft.height_mm)
     top = high
@@ -120,6 +135,11 @@ def lay_out(
     ups /= np.linalg.norm(ups, axis=2, keepdims=True)
     narrow = np.array([part[2] for part in parts])
     lengths = np.linalg.norm(np.diff(centres, axis=1), axis=2).mean(axis=1)
+    high_mm = narrow * np.array([part[3].height_mm for part in parts])[:, None]
+    turns = np.gradient(tangents, axis=1) / np.linalg.norm(
+        np.gradient(centres, axis=1), axis=2, keepdims=True
+    )
+    bends = np.clip(0.5 * high_mm * (turns * ups).sum(axis=2), -SHARPEST, SHARPEST)
     return Tubes(
         size,
         pitch * (margin - 1),
@@ -130,7 +150,8 @@ def lay_out(
         tangents,
         ups,
         narrow * np.array([part[3].width_mm for part in parts])[:, None],
-        narrow * np.array([part[3].height_mm for part in parts])[:, None],
+        high_mm,
+        bends,
         lengths,
         np.array([part[4] for part in parts], np.float64),
     )
@@ -151,8 +172,16 @@ def _pile(cloth: Cloth, size, pad, count: int):
         -1, 2
     )
     feet = (grid + 0.5 + 0.6 * (rng.random(grid.shape) - 0.5)) / [columns, rows] * size
-    share = np.linspace(0.0, 1.0, count)
     shift = pile.height_mm * np.tan(pile.lean)
+    share = np.linspace(0.0, 1.0, FINER * (count - 1) + 1)
+    narrow = np.sqrt(np.clip((1.0 - share) / TIP, 1e-4, 1.0))
+    area = (
+        0.5
+        * (narrow[1:] + narrow[:-1])
+        * np.hypot(np.diff(share) * pile.height_mm, np.diff(share**2) * shift)
+    )
+    area = np.append(0.0, np.cumsum(area))
+    share = np.interp(np.linspace(0.0, area[-1], count), area, share)
     narrow = np.sqrt(np.clip((1.0 - share) / TIP, 1e-4, 1.0))
     reach = shift + pile.yarn.width_mm
     copies = 1 + np.ceil((pad + np.array([0.0, reach])) / size).astype(int)
@@ -168,6 +197,29 @@ def _pile(cloth: Cloth, size, pad, count: int):
                     axis=1,
                 )
                 yield 2, centre, narrow, pile.yarn, 0.0
+
+
+def girths(tubes: Tubes, kinds: int = 3) -> np.ndarray:
+    """How the area of rings grows about them from v = 0 to pi.
+
+    Up to v there is the share S(v) - k C(v) of half a ring, times pi, where k is its bend: S is the circumference up to v,
+    and C that with the weight cos v, as at a bend one side of a yarn is longer than the other.
+
+    Returns
+    -------
+    (kinds, `ABOUT` + 1, 2) float64 array    S and C of each kind of yarn. [rad]
+    """
+    made = np.zeros((kinds, ABOUT + 1, 2))
+    v = np.linspace(0.0, np.pi, FINER * ABOUT + 1)
+    middle = 0.5 * (v[1:] + v[:-1])
+    for kind in np.unique(tubes.kinds):
+        row = np.flatnonzero(tubes.kinds == kind)[0]
+        a, b = tubes.widths[row, 0], tubes.heights[row, 0]
+        arc = np.hypot(a * np.cos(middle), b * np.sin(middle))
+        arc *= np.pi / arc.sum()
+        for column, grown in enumerate((arc, arc * np.cos(middle))):
+            made[kind, 1:, column] = grown.reshape(ABOUT, FINER).sum(axis=1).cumsum()
+    return made
 
 
 def make_triangles(tubes: Tubes, corners: int = CORNERS) -> tuple[np.ndarray, np.ndarray]:

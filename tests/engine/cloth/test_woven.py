@@ -11,7 +11,7 @@ from lumenray.engine.cloth.composition import Cloth, Scatterers, Yarn
 from lumenray.engine.cloth.readings import hue_saturation_value, read_sheet
 from lumenray.engine.cloth.weave import plain
 from lumenray.engine.paint.composition import Curve, Diameters
-from lumenray.engine.scattering.data.evaluation import evaluate, totals
+from lumenray.engine.scattering.data.evaluation import evaluate, measure_reciprocity, totals
 from lumenray.engine.transport import backend
 
 pytestmark = [pytest.mark.mitsuba, pytest.mark.slow]
@@ -62,16 +62,20 @@ def test_openings_are_as_wide_as_they_are(white):
     assert white.openness == pytest.approx(0.09, abs=4.0 * error)
 
 
-def test_both_ways_of_reflected_light_agree(white):
-    """T3, of reflected light at 0 and 45 degrees: the mean over azimuths, as each count is of some tens of rays."""
-    turn = np.pi / 8.0 * np.arange(16)
-    slant = np.stack([np.cos(turn), np.sin(turn), np.ones(16)], axis=1) / np.sqrt(2.0)
-    up = np.tile([0.0, 0.0, 1.0], (16, 1))
-    there, back = (
-        evaluate(white.sides["front_reflection"], *pair).mean()
-        for pair in ((up, slant), (slant, up))
-    )
-    assert there == pytest.approx(back, rel=0.12)
+def test_both_ways_of_light_agree(white):
+    """T3 of the tables: between 0 and 45 degrees, the mean over azimuths, as each count is of some tens of rays."""
+    turn = np.pi / 12.0 * np.arange(24)
+    slant = np.stack([np.cos(turn), np.sin(turn), np.ones(24)], axis=1) / np.sqrt(2.0)
+    up = np.tile([0.0, 0.0, 1.0], (24, 1))
+    for side in ("reflection", "transmission"):
+        there, back = (
+            evaluate(white.sides[f"{light}_{side}"], *pair).mean()
+            for light, pair in (("front", (up, slant)), ("back", (slant, up)))
+        )
+        assert there == pytest.approx(back, rel=0.12)
+        both = measure_reciprocity(white.sides[f"front_{side}"], white.sides[f"back_{side}"])
+        # Noise alone is 0.15 at these rays; at the default number 0.03 remains.
+        assert both.scattered < 0.2
 
 
 def test_light_behind_a_red_cloth_is_redder(red):
@@ -87,7 +91,7 @@ def test_sheet_states_what_the_tables_hold(red):
     sheet = read_sheet(red)
     assert sheet.diffused == pytest.approx(sheet.transmittance - sheet.openness)
     assert sheet.reflectance == pytest.approx(sheet.back_reflectance)
-    assert 40.0 < sheet.cutoff_warp_deg < 90.0
+    assert 0.0 < sheet.cutoff_warp_deg == sheet.cutoff_weft_deg < 46.5
     assert 0.0 < sheet.diffuse_transmittance < sheet.transmittance
 
 
