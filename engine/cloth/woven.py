@@ -227,6 +227,7 @@ class Maker:
         self.lost, self.sent, self.given_up = 0.0, 0, 0
 
     def count(self, is_front: bool, report) -> _Counted:
+        """Send light onto one side from all directions of a table."""
         shape = len(self.rotations), len(INCIDENCES)
         cells = (*shape, 2, CELLS * CELLS, len(self.wavelengths))
         found = _Counted(
@@ -292,6 +293,7 @@ class Maker:
         self.given_up += int(lost.sum())
 
     def tabulate(self, found: _Counted, part: str) -> tuple[ScatterTable, np.ndarray]:
+        """Make the table of what was counted, ``reflection`` or ``transmission``; and standard errors of its totals."""
         counts = getattr(found, part)
         total = counts.sum(axis=3)  # (p, s, half, w)
         i, t, a = np.meshgrid(INCIDENCES, RADIALS, AZIMUTHS, indexing="ij")
