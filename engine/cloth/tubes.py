@@ -157,6 +157,39 @@ def lay_out(
     )
 
 
+def lay_out_straight(cloth: Cloth, kind: int, count: int = LEAST_RINGS + 1) -> Tubes:
+    """Place the yarns of one kind, 0 warp or 1 weft, straight and side by side, as if there were no others."""
+    yarn = cloth.yarns[kind]
+    pitch = np.array([cloth.weave.warp_pitch_mm, cloth.weave.weft_pitch_mm])
+    along, across = (1, 0) if kind == 0 else (0, 1)
+    numbers = np.arange(-MARGIN, 1 + MARGIN)
+    # Longer than any way along a thread, of which few are longer than some widths.
+    reach = MARGIN * max(pitch[along], 2.0 * yarn.width_mm)
+    size, pad = pitch.copy(), pitch * (MARGIN - 1)
+    pad[along] = reach - 0.5 * size[along]
+    centres = np.zeros((len(numbers), count, 3))
+    centres[..., across] = ((numbers + 0.5) * pitch[across])[:, None]
+    centres[..., along] = 0.5 * size[along] + np.linspace(-reach, reach, count)
+    whole = np.ones(centres.shape[:2])
+    high = 0.51 * yarn.height_mm
+    step = 2.0 * reach / (count - 1)
+    return Tubes(
+        size,
+        pad,
+        -high,
+        high,
+        np.full(len(numbers), kind),
+        centres,
+        np.broadcast_to(np.eye(3)[along], centres.shape),
+        np.broadcast_to([0.0, 0.0, 1.0], centres.shape),
+        whole * yarn.width_mm,
+        whole * yarn.height_mm,
+        0.0 * whole,
+        np.full(len(numbers), step),
+        np.full(len(numbers), size[along] / step),
+    )
+
+
 def _pile(cloth: Cloth, size, pad, count: int):
     """Tubes of the pile: ends on a jittered lattice, and their copies beside the repeat."""
     pile = cloth.pile

@@ -1,5 +1,7 @@
 """Rays between yarns: what they do is as likely the other way round, also where yarns bend and press into each other."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -77,25 +79,80 @@ def test_both_ways_of_light_agree(scene):
         assert value == pytest.approx(back, abs=slack), (one, other, side)
 
 
-def test_straight_light_between_cylinders_is_in_closed_form():
-    """Two nets of straight cylinders: (1 - d / p) (1 - d / (p cos)); closed from acos(d / p) on."""
-    backend.start(spectral=False)
+@pytest.fixture(scope="module")
+def nothing():
+    clear = Curve(np.array([550.0]), np.zeros(1))
+    return Yarn(0.14, 0.14, 1.5, 0.3, (), clear)
+
+
+def straight_scene(tubes, exits, index: float = 1.5):
     from lumenray.engine.cloth.records import DrawnExits, Records
     from lumenray.engine.cloth.thread_walk import ThreadOptics
     from lumenray.engine.cloth.tracer import WovenScene
-    from lumenray.engine.cloth.tubes import lay_out
+
+    drawn = DrawnExits([Records(np.tile(exits, (144, 1)), len(exits), 0.0)] * 3)
+    return WovenScene(tubes, [ThreadOptics(index, 0.0, np.zeros(2))] * 3, drawn, 1, [0.07] * 3)
+
+
+@pytest.mark.parametrize(
+    "incidence, exitance, value",
+    [
+        (30.0, 0.0, 0.251368),
+        (45.0, 45.0, 0.377980),
+        (45.0, -45.0, 0.159155),
+        (60.0, -30.0, 0.183776),
+    ],
+)
+def test_touching_lambert_cylinders_shade_each_other(nothing, incidence, exitance, value):
+    """B8: light that met one thread, across touching straight ones; areas, shadows and what is hidden are as they are."""
+    backend.start(spectral=False)
+    from lumenray.engine.cloth.tubes import lay_out_straight
+
+    count = 4096
+    square, turn = (np.arange(count) + 0.5) / count, 2.399963 * np.arange(count)
+    exits = np.zeros((count, 6), np.float32)
+    exits[:, 2], exits[:, 3] = np.sqrt(square), np.sqrt(1.0 - square) * np.cos(turn)
+    exits[:, 4] = np.sqrt(1.0 - square) * np.sin(turn)
+    tubes = lay_out_straight(Cloth(nothing, nothing, plain(0.14, 0.14)), 0)
+    # Of the index of air: no facet reflects.
+    scene = straight_scene(tubes, exits, 1.0)
+    a, rays = np.radians(incidence), 400_000
+    made = scene.trace([np.sin(a), 0.0, -np.cos(a)], rays, 5)
+    x, y, z = (np.array(each) for each in (made.x, made.y, made.z))
+    once = (np.array(made.events) == 1) & (z > 0.0)
+    # A window of directions about the wanted one, by projected solid angle; light comes from x below 0.
+    tilt, half = np.radians(exitance), 0.08
+    low, high = np.sin(tilt - half), np.sin(tilt + half)
+    across = -x / np.sqrt(1.0 - y * y)
+    there = once & (across > low) & (across < high) & (np.abs(y) < 0.15)
+    area = (high - low) * 2.0 * (0.15 - 0.15**3 / 3.0 / 2.0)
+    error = np.sqrt(there.sum()) / rays / area
+    assert there.sum() / rays / area == pytest.approx(value, abs=4.0 * error + 0.01 * value)
+
+
+def test_straight_light_between_cylinders_is_in_closed_form(nothing):
+    """Two nets of straight cylinders: (1 - d / p) (1 - d / (p cos)); closed from acos(d / p) on."""
+    backend.start(spectral=False)
+    from lumenray.engine.cloth.tubes import lay_out_straight
     from lumenray.engine.cloth.woven import cutoff_angles
 
-    clear = Curve(np.array([550.0]), np.zeros(1))
-    yarn = Yarn(0.14, 0.14, 1.5, 0.3, (), clear)
-    tubes = lay_out(Cloth(yarn, yarn, plain(0.2, 0.2)))
-    tubes.centres[..., 2] = np.where(tubes.kinds == 0, 0.07, -0.07)[:, None]
-    tubes.tangents[:] = np.where(tubes.kinds[:, None] == 0, [0.0, 1.0, 0.0], [1.0, 0.0, 0.0])[
-        :, None
-    ]
-    tubes.ups[:] = [0.0, 0.0, 1.0]
-    nothing = DrawnExits([Records(np.zeros((1, 6), np.float32), 1, 0.0)])
-    scene = WovenScene(tubes, [ThreadOptics(1.5, 0.0, np.zeros(2))] * 3, nothing, 1, [0.07] * 3)
+    one, two = (lay_out_straight(Cloth(nothing, nothing, plain(0.2, 0.2)), k, 65) for k in (0, 1))
+    one.centres[..., 2], two.centres[..., 2] = 0.0, -0.2
+    names = (
+        "kinds",
+        "centres",
+        "tangents",
+        "ups",
+        "widths",
+        "heights",
+        "bends",
+        "steps",
+        "periods",
+    )
+    both = {name: np.concatenate([getattr(each, name) for each in (one, two)]) for name in names}
+    pad = np.minimum(one.pad, two.pad)
+    tubes = replace(one, low=-0.3, pad=pad, **both)
+    scene = straight_scene(tubes, np.zeros((1, 6), np.float32))
     tilt = np.radians([0.0, 30.0, 44.0, 47.0])
     light = np.stack([np.sin(tilt), np.zeros(4), -np.cos(tilt)], axis=1)
     expected = 0.3 * np.maximum(1.0 - 0.7 / np.cos(tilt), 0.0)
