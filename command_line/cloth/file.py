@@ -19,6 +19,11 @@ def add_file(parser) -> None:
         help="for each direction from which light comes (default: 120000)",
     )
     parser.add_argument(
+        "--mean",
+        action="store_true",
+        help="the mean of warp and weft, straight and side by side, in place of the weave",
+    )
+    parser.add_argument(
         "--seed", type=whole(0), default=0, metavar="N", help="of the rays (default: 0)"
     )
 
@@ -37,4 +42,4 @@ def compute_cloth(options):
     # Its arrays are of the variant that has been started.
     from ...engine.cloth.woven import RAYS, weave
 
-    return weave(cloth, rays=options.rays or RAYS, seed=options.seed)
+    return weave(cloth, rays=options.rays or RAYS, seed=options.seed, is_mean=options.mean)

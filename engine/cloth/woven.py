@@ -13,6 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+import drjit as dr
 import mitsuba as mi
 import numpy as np
 
@@ -27,7 +28,7 @@ from .composition import Cloth
 from .matter import ANCHORS, WAVELENGTHS, absorption, anchor_weights, thread_optics
 from .records import EXITS, DrawnExits, recorded
 from .tracer import KINDS, WovenScene
-from .tubes import lay_out
+from .tubes import lay_out, lay_out_straight
 
 INCIDENCES = np.radians([0.0, 15.0, 30.0, 45.0, 60.0, 70.0, 80.0, 87.0])
 """Angles of incidence of tables. [rad]"""
@@ -83,6 +84,7 @@ class Woven:
         Angles of incidence from which on no light passes straight, light coming along the warp, and along the weft. [rad]
     lost : float    Share of rays that were given up. [-]
     rays, seed : int    Rays in all.
+    is_mean : bool    Whether they are the mean of warp and weft, see `weave`.
     """
 
     cloth: Cloth
@@ -93,6 +95,7 @@ class Woven:
     lost: float
     rays: int
     seed: int
+    is_mean: bool = False
 
     @property
     def surface(self) -> Measured:
@@ -128,6 +131,8 @@ class Woven:
             "yarns are smooth bodies of one matter, not twists of fibres: no hairs stand off them",
             f"directions are resolved to about {np.degrees(2.0 * BLUR / CELLS * np.sqrt(np.pi)):.0f} degrees",
         ]
+        if self.is_mean:
+            notes.append("the mean of warp and weft, each straight as if the other were not there")
         if any(abs(yarn.width_mm - yarn.height_mm) > 1e-9 for yarn in self.cloth.yarns):
             notes.append("light in flat yarns goes as in round ones with the same mean way")
         if self.lost > 0.0:
@@ -142,6 +147,7 @@ def weave(
     seed: int = 0,
     exits: int = EXITS,
     report=lambda share: None,
+    is_mean: bool = False,
 ) -> Woven:
     """Compute the tables of a cloth. A variant of Mitsuba must be active.
 
@@ -151,12 +157,15 @@ def weave(
     rays : int    For each direction from which light comes.
     exits : int    For each way into a thread, see `records`.
     report : callable    Told from time to time which share of the work is done; what it raises ends it.
+    is_mean : bool
+        Whether to take the mean of the warp and of the weft, each straight and side by side as if the other were not
+        there, in place of the weave: the reference's simple way. It has no pile, and no openings where yarns cross.
 
     Raises
     ------
     SceneError    Rays got lost, or the pile is too dense.
     """
-    maker = Maker(cloth, np.asarray(wavelengths, np.float64), rays, seed, exits)
+    maker = Maker(cloth, np.asarray(wavelengths, np.float64), rays, seed, exits, is_mean)
     lights = ("front",) if maker.is_alike else ("front", "back")
     sides, absorbed, errors = {}, {}, {}
     for number, light in enumerate(lights):
@@ -173,8 +182,9 @@ def weave(
         raise SceneError(
             f"'{cloth.name}': {100 * maker.lost:.2g} % of the rays found no way out, expected {100 * MOST_LOST:g} % at most"
         )
-    cutoffs = cutoff_angles(maker.scene, seed)
-    return Woven(cloth, sides, absorbed, errors, cutoffs, maker.lost, maker.sent, seed)
+    cutoffs = np.max([cutoff_angles(scene, seed) for scene in maker.scenes], axis=0)
+    cutoffs = float(cutoffs[0]), float(cutoffs[1])
+    return Woven(cloth, sides, absorbed, errors, cutoffs, maker.lost, maker.sent, seed, is_mean)
 
 
 def cutoff_angles(scene: WovenScene, seed: int = 0) -> tuple[float, float]:
@@ -202,7 +212,9 @@ class _Counted:
 class Maker:
     """Sends light onto a cloth and makes tables of where it leaves. Parameters as of `weave`."""
 
-    def __init__(self, cloth: Cloth, wavelengths, rays: int, seed: int, exits: int):
+    def __init__(
+        self, cloth: Cloth, wavelengths, rays: int, seed: int, exits: int, is_mean: bool = False
+    ):
         self.cloth, self.wavelengths, self.seed = cloth, wavelengths, seed
         yarns = [*cloth.yarns, cloth.warp][:KINDS]
         anchors = ANCHORS
@@ -210,19 +222,16 @@ class Maker:
             anchors = ANCHORS[1:2]
         optics = [[thread_optics(yarn, anchor) for yarn in yarns] for anchor in anchors]
         records = [recorded(each, exits, seed) for row in optics for each in row]
-        self.scene = WovenScene(
-            lay_out(cloth),
-            optics[0],
-            DrawnExits(records),
-            len(anchors),
-            [yarn.radius_mm for yarn in yarns],
-        )
+        drawn, radii = DrawnExits(records), [yarn.radius_mm for yarn in yarns]
+        tubes = [lay_out_straight(cloth, kind) for kind in (0, 1)] if is_mean else [lay_out(cloth)]
+        self.anchors = len(anchors)
+        self.scenes = [WovenScene(each, optics[0], drawn, len(anchors), radii) for each in tubes]
         self.absorption = np.array([absorption(yarn, wavelengths) for yarn in yarns])
         self.weights = len(anchors) * anchor_weights(anchors, wavelengths)
-        block = 2 * len(anchors)
+        block = 2 * len(anchors) * len(self.scenes)
         self.rays = block * max(1, round(rays / block))
         # Yarns of one kind of plain weave change places when it is turned over.
-        self.is_alike = cloth.weave.is_orthotropic and cloth.pile is None
+        self.is_alike = is_mean or (cloth.weave.is_orthotropic and cloth.pile is None)
         self.rotations = QUARTER if self.is_alike else ROUND
         self.lost, self.sent, self.given_up = 0.0, 0, 0
 
@@ -262,21 +271,18 @@ class Maker:
         light = [
             mi.Float(each) for each in (sideways * cosine, sideways * sine, np.full(count, along))
         ]
-        made = self.scene.trace(light, count, self.seed * 1000 + number + 1)
-        lost = np.array(made.lost)
-        straight = (np.array(made.events) == 0) & ~lost
-        ways = np.array([np.array(each) for each in made.ways], np.float64)
-        anchor = np.arange(count) % self.scene.anchors
+        lost, events, ways, x, y, z = self._trace(light, count, self.seed * 1000 + number + 1)
+        straight = (events == 0) & ~lost
+        anchor = np.arange(count) % self.anchors
         scattered = ~lost & ~straight
         weight = self.weights[anchor] * scattered[:, None]
         # As many as went in, though anchors have met their shares of openings by chance.
         weight *= scattered.mean() / np.maximum(weight.mean(axis=0), 1e-12)
         weight *= np.exp(-ways.T @ self.absorption)
-        x, y, z = (np.array(each, np.float64) for each in (made.x, made.y, made.z))
         # In the plane of the light's own incidence.
         x, y = cosine * x + sine * y, cosine * y - sine * x
         above = z * upwards > 0.0
-        half = np.arange(count) // self.scene.anchors % 2
+        half = np.arange(count) // self.anchors % 2
         for k in range(len(self.rotations) if s == 0 else 1):
             c, d = (np.cos(self.rotations[k]), np.sin(self.rotations[k])) if s == 0 else (1.0, 0.0)
             u, v = square_of(c * x + d * y, c * y - d * x)
@@ -291,6 +297,19 @@ class Maker:
             found.absorbed[p + k, s] = 1.0 - straight.mean() - weight.mean(axis=0)
         self.sent += count
         self.given_up += int(lost.sum())
+
+    def _trace(self, light, count: int, seed: int):
+        """Send the first rays into the first scene, and so on; what became of all: lost, events, ways, direction."""
+        part = count // len(self.scenes)
+        found = []
+        for k, scene in enumerate(self.scenes):
+            rows = mi.UInt32(np.arange(k * part, (k + 1) * part))
+            own = [dr.gather(mi.Float, each, rows) for each in light]
+            made = scene.trace(own, part, seed)
+            ways = np.array([np.array(each) for each in made.ways], np.float64)
+            direction = (np.array(each, np.float64) for each in (made.x, made.y, made.z))
+            found.append((np.array(made.lost), np.array(made.events), ways, *direction))
+        return (np.concatenate(each, axis=-1) for each in zip(*found, strict=True))
 
     def tabulate(self, found: _Counted, part: str) -> tuple[ScatterTable, np.ndarray]:
         """Make the table of what was counted, ``reflection`` or ``transmission``; and standard errors of its totals."""
@@ -343,7 +362,7 @@ class Maker:
         )
         # Of a share of all rays, counted: never more than that of a ray that is there or not.
         mean = total.mean(axis=2)
-        spread = np.sqrt(np.maximum(mean * (1.0 - mean), 0.0) * self.scene.anchors / self.rays)
+        spread = np.sqrt(np.maximum(mean * (1.0 - mean), 0.0) * self.anchors / self.rays)
         return replace(whole, error=float(np.sqrt(square))), spread
 
 

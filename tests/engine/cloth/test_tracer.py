@@ -34,7 +34,7 @@ def scene(request):
     voids = Scatterers(Curve(np.array([550.0]), np.ones(1)), Diameters(0.5), 0.005)
     yarn = Yarn(width, height, 1.557, 0.3, (voids,), clear)
     cloth = Cloth(yarn, yarn, plain(pitch, pitch))
-    return Maker(cloth, np.array([550.0]), 1000, 0, 256).scene
+    return Maker(cloth, np.array([550.0]), 1000, 0, 256).scenes[0]
 
 
 def shine(scene, low: float, high: float, is_front: bool, seed: int):

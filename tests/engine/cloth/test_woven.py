@@ -106,3 +106,19 @@ def test_hue_of_a_grey_is_none():
 def test_more_dye_absorbs_more(red):
     darker = compute(replace(yarn(0.14), absorption=Curve(BANDS, np.full(3, 100.0))))
     assert (darker.absorbed["front"] > red.absorbed["front"]).all()
+
+
+def test_mean_of_warp_and_weft_is_between_both():
+    """Engine (i): no light is made, and half of the light that a warp of d / p = 0.7 leaves passes, half of the weft's."""
+    backend.start(spectral=False)
+    from lumenray.engine.cloth.woven import weave
+
+    thread, other = yarn(0.14), yarn(0.06)
+    made = weave(Cloth(thread, other, plain(0.2, 0.2)), BANDS, rays=1200, exits=48, is_mean=True)
+    assert made.openness == pytest.approx(0.5 * (0.3 + 0.7), abs=4.0 * 0.5 / np.sqrt(2400))
+    both = sum(
+        totals(made.sides[side], made.sides[side].incidences, [0.0, 0.5 * np.pi])
+        for side in ("front_reflection", "front_transmission")
+    )
+    assert both == pytest.approx(1.0, abs=1e-6)
+    assert any("mean of warp and weft" in note for note in made.notes())
