@@ -28,16 +28,21 @@ def add_file(parser) -> None:
     )
 
 
-def compute_cloth(options):
-    """Compute the composition that a command was told of."""
+def composition(path: Path):
+    """Read the composition that a command was told of."""
     from ...engine.cloth.reader import read_cloth
-    from ...engine.transport import backend
     from ...libraries import cloths
 
-    path = options.file
     if not path.exists() and str(path) in cloths.presets():
         path = cloths.presets()[str(path)]
-    cloth = read_cloth(path)
+    return read_cloth(path)
+
+
+def compute_cloth(options):
+    """Compute the composition that a command was told of."""
+    from ...engine.transport import backend
+
+    cloth = composition(options.file)
     backend.start(spectral=False)
     # Its arrays are of the variant that has been started.
     from ...engine.cloth.woven import RAYS, weave

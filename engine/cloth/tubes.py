@@ -83,7 +83,9 @@ def lay_out(
     Parameters
     ----------
     repeats : int    Of the weave along both, which then are one repeat.
-    margin : int    Crossings by which tubes go on beyond it, on all sides.
+    margin : int
+        Crossings by which tubes go on beyond it, on all sides; with 0 copies beside each other join without a seam.
+    rings : int    Of each crossing.
 
     Raises
     ------
@@ -121,10 +123,15 @@ def lay_out(
     high = 0.25 * both + 0.51 * max(cloth.warp.height_mm, cloth.weft.height_mm)
     top = high
     if cloth.pile is not None:
-        parts += _pile(cloth, size, pitch * (margin - 1), count)
+        parts += _pile(cloth, size, pitch * (margin - 1) if margin else None, count)
         top = max(high, cloth.pile.height_mm + cloth.pile.yarn.width_mm)
     centres = np.array([part[1] for part in parts])
     tangents = np.gradient(centres, axis=1)
+    if not margin:
+        # Where copies join a yarn goes on as it began.
+        yarns = np.array([part[0] < 2 for part in parts])
+        steps = centres[yarns][:, [1, -1]] - centres[yarns][:, [0, -2]]
+        tangents[yarns, 0] = tangents[yarns, -1] = 0.5 * steps.sum(axis=1)
     tangents /= np.linalg.norm(tangents, axis=2, keepdims=True)
     side = np.where(
         np.array([part[0] for part in parts])[:, None, None] == 1, [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]
@@ -191,7 +198,7 @@ def lay_out_straight(cloth: Cloth, kind: int, count: int = LEAST_RINGS + 1) -> T
 
 
 def _pile(cloth: Cloth, size, pad, count: int):
-    """Tubes of the pile: ends on a jittered lattice, and their copies beside the repeat."""
+    """Tubes of the pile: ends on a jittered lattice, and their copies beside the repeat unless ``pad`` is None."""
     pile = cloth.pile
     number = max(1, round(pile.density_per_mm2 * size[0] * size[1]))
     if number > MOST_PILE:
@@ -217,13 +224,15 @@ def _pile(cloth: Cloth, size, pad, count: int):
     share = np.interp(np.linspace(0.0, area[-1], count), area, share)
     narrow = np.sqrt(np.clip((1.0 - share) / TIP, 1e-4, 1.0))
     reach = shift + pile.yarn.width_mm
-    copies = 1 + np.ceil((pad + np.array([0.0, reach])) / size).astype(int)
+    copies = (0, 0)
+    if pad is not None:
+        copies = 1 + np.ceil((pad + np.array([0.0, reach])) / size).astype(int)
     for foot in feet:
         for x in range(-copies[0], copies[0] + 1):
             for y in range(-copies[1], copies[1] + 1):
                 own = foot + size * [x, y]
                 low, high = own - pile.yarn.width_mm, own + np.array([pile.yarn.width_mm, reach])
-                if (high < -pad).any() or (low > size + pad).any():
+                if pad is not None and ((high < -pad).any() or (low > size + pad).any()):
                     continue
                 centre = np.stack(
                     [np.full(count, own[0]), own[1] + share**2 * shift, share * pile.height_mm],
