@@ -12,7 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..photometry.spectra import GRID, illuminant, luminous_efficiency
+from ..photometry.colour import XYZ_TO_REC709
+from ..photometry.spectra import GRID, illuminant, luminous_efficiency, observer
 from ..scattering.data.evaluation import totals
 from .woven import Woven
 
@@ -94,10 +95,12 @@ def hue_saturation_value(values, wavelengths) -> np.ndarray:
     """Hue 0 to 1, saturation and value of a spectrum of shares under D65, by linear Rec. 709. (w,) -> (3,)"""
     import colorsys
 
-    from ..photometry.colour import XYZ_TO_REC709
-    from ..photometry.spectra import observer
+    return np.array(colorsys.rgb_to_hsv(*np.clip(linear_colour(values, wavelengths), 0.0, None)))
 
+
+def linear_colour(values, wavelengths) -> np.ndarray:
+    """Linear Rec. 709 of spectra of shares under D65, of which white is 1. (..., w) -> (..., 3)"""
     weights = illuminant(GRID, "D65")[:, None] * observer()
     tents = np.array([np.interp(GRID, wavelengths, row) for row in np.eye(len(wavelengths))])
     xyz = np.asarray(values) @ (tents @ weights) / weights[:, 1].sum()
-    return np.array(colorsys.rgb_to_hsv(*np.clip(np.asarray(XYZ_TO_REC709) @ xyz, 0.0, None)))
+    return xyz @ np.asarray(XYZ_TO_REC709).T

@@ -102,13 +102,14 @@ class WovenScene:
         self.offset = dr.opaque(mi.Float, 2e-4 * float(tubes.heights.max()))
         self.last_ring = dr.opaque(mi.UInt32, self.rings - 1)
 
-    def trace(self, direction, count: int, seed: int) -> Traced:
+    def trace(self, direction, count: int, seed: int, places=None) -> Traced:
         """Send rays onto a cloth at places that are evenly spread; ray k goes at the anchor k modulo their number.
 
         Parameters
         ----------
         direction : (3,) array, or three Float
             In which they go, all or each; with z below 0 onto the front, above 0 onto the back.
+        places : two Float or None    x and y where they start, above or below all yarns. [mm]
         """
         width, depth, *_ = self.bounds
         place = dr.arange(mi.UInt32, count)
@@ -116,6 +117,8 @@ class WovenScene:
         # Places along one axis are even, so that openings are met as often as they are wide.
         x = (dr.arange(mi.Float, count) + stream.next_float32()) / count * width
         y = stream.next_float32() * depth
+        if places is not None:
+            x, y = (mi.Float(each) for each in places)
         # Opaque, as a kernel of its own for each direction would take longer than the rays do.
         heading = [
             each if isinstance(each, mi.Float) else dr.opaque(mi.Float, float(each), count)

@@ -271,14 +271,9 @@ class Maker:
         light = [
             mi.Float(each) for each in (sideways * cosine, sideways * sine, np.full(count, along))
         ]
-        lost, events, ways, x, y, z = self._trace(light, count, self.seed * 1000 + number + 1)
+        lost, events, ways, x, y, z = self.trace(light, count, self.seed * 1000 + number + 1)
         straight = (events == 0) & ~lost
-        anchor = np.arange(count) % self.anchors
-        scattered = ~lost & ~straight
-        weight = self.weights[anchor] * scattered[:, None]
-        # As many as went in, though anchors have met their shares of openings by chance.
-        weight *= scattered.mean() / np.maximum(weight.mean(axis=0), 1e-12)
-        weight *= np.exp(-ways.T @ self.absorption)
+        weight = self.weigh(~lost & ~straight, ways)
         # In the plane of the light's own incidence.
         x, y = cosine * x + sine * y, cosine * y - sine * x
         above = z * upwards > 0.0
@@ -298,18 +293,36 @@ class Maker:
         self.sent += count
         self.given_up += int(lost.sum())
 
-    def _trace(self, light, count: int, seed: int):
-        """Send the first rays into the first scene, and so on; what became of all: lost, events, ways, direction."""
+    def weigh(self, scattered, ways) -> np.ndarray:
+        """What is left of rays in each band, 0 of those that have not scattered. (n,) bool, (kinds, n) [mm] -> (n, w)"""
+        anchor = np.arange(len(scattered)) % self.anchors
+        weight = self.weights[anchor] * scattered[:, None]
+        # As many as went in, though anchors have met their shares of openings by chance.
+        weight *= scattered.mean() / np.maximum(weight.mean(axis=0), 1e-12)
+        return weight * np.exp(-ways.T @ self.absorption)
+
+    def trace(self, light, count: int, seed: int, places=None):
+        """Send the first rays into the first scene, and so on.
+
+        Returns
+        -------
+        lost (n,), events (n,), ways (kinds, n) [mm], and the three components of directions (n,)
+        """
         part = count // len(self.scenes)
         found = []
         for k, scene in enumerate(self.scenes):
             rows = mi.UInt32(np.arange(k * part, (k + 1) * part))
-            own = [dr.gather(mi.Float, each, rows) for each in light]
-            made = scene.trace(own, part, seed)
+            own, spots = (
+                each
+                if each is None or not isinstance(each[0], mi.Float)
+                else [dr.gather(mi.Float, one, rows) for one in each]
+                for each in (light, places)
+            )
+            made = scene.trace(own, part, seed, spots)
             ways = np.array([np.array(each) for each in made.ways], np.float64)
             direction = (np.array(each, np.float64) for each in (made.x, made.y, made.z))
             found.append((np.array(made.lost), np.array(made.events), ways, *direction))
-        return (np.concatenate(each, axis=-1) for each in zip(*found, strict=True))
+        return [np.concatenate(each, axis=-1) for each in zip(*found, strict=True)]
 
     def tabulate(self, found: _Counted, part: str) -> tuple[ScatterTable, np.ndarray]:
         """Make the table of what was counted, ``reflection`` or ``transmission``; and standard errors of its totals."""

@@ -122,3 +122,15 @@ def test_mean_of_warp_and_weft_is_between_both():
     )
     assert both == pytest.approx(1.0, abs=1e-6)
     assert any("mean of warp and weft" in note for note in made.notes())
+
+
+def test_close_up_from_afar_is_the_table(white):
+    """Rays from the eye against those of the table, which come from the light."""
+    from lumenray.engine.cloth.close_up import draw_close_up, seen_from_afar
+
+    made = draw_close_up(white.cloth, 40, 24, wavelengths=BANDS, exits=48)
+    assert made.values.shape == (40, 40, 3)
+    mean = made.values.mean(axis=(0, 1))
+    assert mean == pytest.approx(
+        seen_from_afar(white.sides["front_reflection"]), abs=0.04 * mean[0] + 4.0 * made.error[0]
+    )
