@@ -73,15 +73,16 @@ def draw_close_up(
     Parameters
     ----------
     pixels : int    Along the weft; along the warp as many as the repeat is longer.
-    samples : int    Rays of each pixel.
+    samples : int    Rays of each pixel, at least.
     view : (3,) array    Towards the eye.
     """
     maker = Maker(cloth, np.asarray(wavelengths, np.float64), 1, seed, exits)
     width, depth = size = maker.scenes[0].tubes.size
     rows = max(1, round(pixels * depth / width))
-    # Samples of a pixel lie apart, so that all anchors and all rays of a packet are not of the same.
+    # As many of each pixel at every wavelength that is followed, or pixels would differ in colour.
+    samples = maker.anchors * -(-samples // maker.anchors)
     number = np.arange(rows * pixels * samples)
-    pixel = number % (rows * pixels)
+    pixel = number // samples
     draw = np.random.default_rng((seed, 17)).random((2, len(number)))
     places = (
         mi.Float((pixel % pixels + draw[0]) / pixels * width),
