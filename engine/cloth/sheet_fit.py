@@ -11,7 +11,6 @@ import numpy as np
 
 from ..errors import SceneError
 from .reader import parse_cloth
-from .records import EXITS
 from .woven import Maker
 
 PITCH, THICKEST = 0.5, 0.36
@@ -27,6 +26,9 @@ WAVELENGTH = 550.0
 """At which shares are found: yarns are grey. [nm]"""
 
 RAYS = 30_000
+
+FIT_EXITS = 256
+"""Exits of each way into a thread, see `records`: of few, as each strength of scattering takes its own."""
 
 STEPS = 9
 """Halvings of the range of fractions."""
@@ -59,7 +61,7 @@ def fit_sheet(
     reflectance: float,
     name: str = "Screen of a data sheet",
     rays: int = RAYS,
-    exits: int = EXITS,
+    exits: int = FIT_EXITS,
     seed: int = 0,
 ) -> FittedSheet:
     """Find a plain screen by its data sheet. A variant of Mitsuba must be active.
