@@ -45,7 +45,7 @@ OPTICS = 20.0, 0.8, 1.557
 
 WOVEN = "red_cotton"
 
-PIXELS, SAMPLES = 64, 96
+PIXELS, SAMPLES = 64, 384
 """Of the close-up."""
 
 __all__ = ["PARTS", "check_bars", "read_results", "run", "write_results"]
