@@ -16,6 +16,9 @@ from .matter import WAVELENGTHS
 from .records import EXITS
 from .woven import Maker
 
+BATCH = 600_000
+"""Rays at once, which bounds the memory."""
+
 
 @dataclass(frozen=True)
 class Window:
@@ -81,24 +84,29 @@ def draw_close_up(
     rows = max(1, round(pixels * depth / width))
     # As many of each pixel at every wavelength that is followed, or pixels would differ in colour.
     samples = maker.anchors * -(-samples // maker.anchors)
-    number = np.arange(rows * pixels * samples)
-    pixel = number // samples
-    draw = np.random.default_rng((seed, 17)).random((2, len(number)))
-    places = (
-        mi.Float((pixel % pixels + draw[0]) / pixels * width),
-        mi.Float((pixel // pixels + draw[1]) / rows * depth),
-    )
-    lost, events, ways, *direction = maker.trace(
-        -np.asarray(view, float), len(number), seed + 1, places
-    )
-    weight = maker.weigh((events > 0) & ~lost, ways)
-    weight *= window.holds(np.stack(direction, axis=1))[:, None] * (np.pi / window.projected)
-    values = np.stack(
-        [np.bincount(pixel, weight[:, band], rows * pixels) for band in range(weight.shape[1])],
-        axis=1,
-    )
+    total = rows * pixels * samples
+    values = np.zeros((rows * pixels, len(maker.wavelengths)))
+    squares = np.zeros(len(maker.wavelengths))
+    batch = maker.anchors * (BATCH // maker.anchors)
+    for part, first in enumerate(range(0, total, batch)):
+        pixel = np.arange(first, min(first + batch, total)) // samples
+        draw = np.random.default_rng((seed, 17, part)).random((2, len(pixel)))
+        places = (
+            mi.Float((pixel % pixels + draw[0]) / pixels * width),
+            mi.Float((pixel // pixels + draw[1]) / rows * depth),
+        )
+        lost, events, ways, *direction = maker.trace(
+            -np.asarray(view, float), len(pixel), 1000 * seed + part + 1, places
+        )
+        weight = maker.weigh((events > 0) & ~lost, ways)
+        lit = window.holds(np.stack(direction, axis=1))
+        weight *= lit[:, None] * (np.pi / window.projected)
+        squares += (weight**2).sum(axis=0)
+        for band in range(weight.shape[1]):
+            values[:, band] += np.bincount(pixel, weight[:, band], rows * pixels)
+    mean = values.sum(axis=0) / total
+    error = np.sqrt(np.maximum(squares / total - mean**2, 0.0) / total)
     values = (values / samples).reshape(rows, pixels, -1)[::-1]
-    error = weight.std(axis=0) / np.sqrt(len(number))
     return CloseUp(values, error, size, maker.wavelengths)
 
 
