@@ -104,17 +104,15 @@ def add_command(commands) -> None:
         "effect paints against reference values, Monte Carlo, a clock, and fitted to themselves",
         "of a part",
     )
-    paint.add_argument(
-        "--parts",
-        type=words,
-        metavar="A,B",
-        help="only these of reference, walks, tables, speed, fit (default: all)",
+    _add_parts(paint, "reference, walks, tables, speed, fit")
+    cloth = _add(
+        kinds,
+        "cloth",
+        _run_cloth,
+        "cloths against reference values, both ways of light, close-ups, a clock",
+        "of a part",
     )
-    paint.add_argument(
-        "--resume",
-        action="store_true",
-        help="go on with the results that --json already holds; of these only --parts are measured again",
-    )
+    _add_parts(cloth, "reference, photons, woven")
     ink = _add(
         kinds,
         "ink",
@@ -122,17 +120,7 @@ def add_command(commands) -> None:
         "dense pigment layers against reference values, colours by the size of particles, cost",
         "of a part",
     )
-    ink.add_argument(
-        "--parts",
-        type=words,
-        metavar="A,B",
-        help="only these of reference, dense, trend, processes (default: all)",
-    )
-    ink.add_argument(
-        "--resume",
-        action="store_true",
-        help="go on with the results that --json already holds; of these only --parts are measured again",
-    )
+    _add_parts(ink, "reference, dense, trend, processes")
     environment = _add(
         kinds,
         "environment",
@@ -344,6 +332,18 @@ def run(options) -> int:
     return options.measure(options, report_progress)
 
 
+def _add_parts(kind, parts: str) -> None:
+    """Let a kind of benchmark measure some of its parts, and go on with earlier results."""
+    kind.add_argument(
+        "--parts", type=words, metavar="A,B", help=f"only these of {parts} (default: all)"
+    )
+    kind.add_argument(
+        "--resume",
+        action="store_true",
+        help="go on with the results that --json already holds; of these only --parts are measured again",
+    )
+
+
 def _add(kinds, name: str, measure, words: str, part: str = ""):
     """Begin a kind of benchmark that ``measure`` runs. ``part``: when it is one whose document goes elsewhere."""
     kind = kinds.add_parser(name, help=words)
@@ -412,6 +412,21 @@ def _run_paint(options, say) -> int:
     bars = paint.check_bars(result)
     tell(tell_bars(bars))
     _write(paint, result, options, not set(paint.PARTS) <= result["parts"].keys())
+    return int(any(bar.passed is False for bar in bars))
+
+
+def _run_cloth(options, say) -> int:
+    from ..engine.transport import backend
+
+    backend.start(spectral=False)
+    # Its arrays are of the variant that has been started.
+    from ..benchmarks.cloth import run as cloth
+    from ..benchmarks.common.bars import tell_bars
+
+    result = cloth.run(options.parts, say, _read_earlier(options, cloth))
+    bars = cloth.check_bars(result)
+    tell(tell_bars(bars))
+    _write(cloth, result, options, not set(cloth.PARTS) <= result["parts"].keys())
     return int(any(bar.passed is False for bar in bars))
 
 

@@ -1,12 +1,15 @@
 """The door of the commands ``lumenray cloth``."""
 
 from ..options import add_group
-from . import compute, plot
+from . import close_up, compute, fit, mesh, plot
 
 EPILOG = """examples:
   lumenray cloth compute cotton -o cotton.lumbsdf
   lumenray cloth compute screen_5 --json
   lumenray cloth plot polyester_satin -o satin.png
+  lumenray cloth fit --openness 5% --transmittance 14% --reflectance 55% -o screen.json
+  lumenray cloth close-up red_cotton -o threads.png
+  lumenray cloth mesh wool -o wool.obj --repeats 4
 
 FILE is a composition (JSON, the guide tells its form) or the name of one that ships.
 """
@@ -14,5 +17,5 @@ FILE is a composition (JSON, the guide tells its form) or the name of one that s
 
 def add_command(commands) -> None:
     """Describe the commands to argparse."""
-    words = "cloths from their yarns and weave: tables, numbers of data sheets"
-    add_group(commands, "cloth", words, EPILOG, (compute, plot))
+    words = "cloths from their yarns and weave: tables, numbers of data sheets, close-ups, meshes"
+    add_group(commands, "cloth", words, EPILOG, (compute, plot, fit, close_up, mesh))

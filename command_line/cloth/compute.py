@@ -21,11 +21,13 @@ def add_command(tasks) -> None:
 
 def run(options) -> int:
     """Compute a cloth; return the exit code."""
-    from ...engine.cloth.readings import read_sheet
     from ...engine.scattering.data.store import write_store
 
     check_free(options, options.output)
     woven = compute_cloth(options)
+    # After the engine has chosen a library of LLVM, which Dr.Jit looks for once.
+    from ...engine.cloth.readings import read_sheet
+
     sheet = read_sheet(woven)
     worst = max(each.error for each in woven.sides.values())
     if options.output is not None:

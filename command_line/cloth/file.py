@@ -19,22 +19,32 @@ def add_file(parser) -> None:
         help="for each direction from which light comes (default: 120000)",
     )
     parser.add_argument(
+        "--mean",
+        action="store_true",
+        help="the mean of warp and weft, straight and side by side, in place of the weave",
+    )
+    parser.add_argument(
         "--seed", type=whole(0), default=0, metavar="N", help="of the rays (default: 0)"
     )
 
 
-def compute_cloth(options):
-    """Compute the composition that a command was told of."""
+def composition(path: Path):
+    """Read the composition that a command was told of."""
     from ...engine.cloth.reader import read_cloth
-    from ...engine.transport import backend
     from ...libraries import cloths
 
-    path = options.file
     if not path.exists() and str(path) in cloths.presets():
         path = cloths.presets()[str(path)]
-    cloth = read_cloth(path)
+    return read_cloth(path)
+
+
+def compute_cloth(options):
+    """Compute the composition that a command was told of."""
+    from ...engine.transport import backend
+
+    cloth = composition(options.file)
     backend.start(spectral=False)
     # Its arrays are of the variant that has been started.
     from ...engine.cloth.woven import RAYS, weave
 
-    return weave(cloth, rays=options.rays or RAYS, seed=options.seed)
+    return weave(cloth, rays=options.rays or RAYS, seed=options.seed, is_mean=options.mean)

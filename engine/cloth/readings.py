@@ -12,7 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..photometry.spectra import GRID, illuminant, luminous_efficiency
+from ..photometry.colour import XYZ_TO_REC709
+from ..photometry.spectra import GRID, illuminant, luminous_efficiency, observer
 from ..scattering.data.evaluation import totals
 from .woven import Woven
 
@@ -21,9 +22,6 @@ STEPS = 24
 
 TURNS = 8
 """Rotations of the light over which diffuse shares are averaged."""
-
-NEAR_NOTHING = 5e-4
-"""Straight share below which a screen counts as closed. [-]"""
 
 
 @dataclass(frozen=True)
@@ -77,7 +75,7 @@ def read_sheet(woven: Woven) -> Sheet:
         return float(0.5 * (shares.mean(axis=0) @ own))
 
     transmittance = normal("front_transmission")
-    along_warp, along_weft = cutoff_angles(woven)
+    along_warp, along_weft = np.degrees(woven.cutoffs)
     return Sheet(
         woven.openness,
         transmittance,
@@ -86,49 +84,23 @@ def read_sheet(woven: Woven) -> Sheet:
         transmittance - woven.openness,
         diffuse("front_transmission"),
         diffuse("front_reflection"),
-        along_warp,
-        along_weft,
+        float(along_warp),
+        float(along_weft),
         float(woven.errors["front_transmission"][0, 0] @ weights),
         float(woven.errors["front_reflection"][0, 0] @ weights),
     )
-
-
-def cutoff_angles(woven: Woven) -> tuple[float, float]:
-    """Angles from which on no direct light passes, along warp and weft, by the table's straight shares. [deg]
-
-    Between the table's angles the share is linear in the tangent, as behind bars of a thickness; 90 where it never ends.
-    """
-    table = woven.sides["front_transmission"]
-    found = []
-    for rotation in (0.5 * np.pi, 0.0):
-        place = int(np.argmin(np.abs(table.rotations - rotation)))
-        share = table.direct[place, :, 0].astype(np.float64)
-        if share[0] <= NEAR_NOTHING:
-            found.append(0.0)
-            continue
-        closed = np.flatnonzero(share <= NEAR_NOTHING)
-        if not len(closed):
-            found.append(90.0)
-            continue
-        last = closed[0] - 1
-        low, high = np.tan(table.incidences[last]), np.tan(table.incidences[closed[0]])
-        reach = high
-        if last > 0:
-            before = np.tan(table.incidences[last - 1])
-            slope = (share[last - 1] - share[last]) / (low - before)
-            reach = low + share[last] / max(slope, 1e-12)
-        found.append(float(np.degrees(np.arctan(min(max(reach, low), high)))))
-    return found[0], found[1]
 
 
 def hue_saturation_value(values, wavelengths) -> np.ndarray:
     """Hue 0 to 1, saturation and value of a spectrum of shares under D65, by linear Rec. 709. (w,) -> (3,)"""
     import colorsys
 
-    from ..photometry.colour import XYZ_TO_REC709
-    from ..photometry.spectra import observer
+    return np.array(colorsys.rgb_to_hsv(*np.clip(linear_colour(values, wavelengths), 0.0, None)))
 
+
+def linear_colour(values, wavelengths) -> np.ndarray:
+    """Linear Rec. 709 of spectra of shares under D65, of which white is 1. (..., w) -> (..., 3)"""
     weights = illuminant(GRID, "D65")[:, None] * observer()
     tents = np.array([np.interp(GRID, wavelengths, row) for row in np.eye(len(wavelengths))])
     xyz = np.asarray(values) @ (tents @ weights) / weights[:, 1].sum()
-    return np.array(colorsys.rgb_to_hsv(*np.clip(np.asarray(XYZ_TO_REC709) @ xyz, 0.0, None)))
+    return xyz @ np.asarray(XYZ_TO_REC709).T

@@ -82,16 +82,22 @@ class DrawnExits:
         six Float    As of `Records.values`.
         """
         level = dr.sqrt(dr.maximum(around * around + inward * inward, 1e-12))
-        place = []
-        for value in (dr.abs(axial), dr.abs(around) / level):
-            spot = value * BINS + stream.next_float32() - 0.5
-            place.append(mi.UInt32(dr.clip(spot, 0.0, BINS - 0.5)))
+        # Half a bin off in both senses, by which light across a thread comes from both signs.
+        spots = [value * BINS + stream.next_float32() - 0.5 for value in (axial, around / level)]
+        place = [mi.UInt32(dr.minimum(dr.abs(spot), BINS - 0.5)) for spot in spots]
         one = dr.minimum(mi.UInt32(stream.next_float32() * mi.Float(self.exits)), self.exits - 1)
         row = ((thread * BINS + place[0]) * BINS + place[1]) * self.exits + one
         along, turn, normal, out = dr.gather(mi.Vector4f, self.first, row)
         about, length, _, _ = dr.gather(mi.Vector4f, self.second, row)
-        first, second = dr.select(axial < 0.0, -1.0, 1.0), dr.select(around < 0.0, -1.0, 1.0)
-        return first * along, second * turn, normal, first * out, second * about, length
+        first, second = spots
+        return (
+            dr.mulsign(along, first),
+            dr.mulsign(turn, second),
+            normal,
+            dr.mulsign(out, first),
+            dr.mulsign(about, second),
+            length,
+        )
 
 
 @lru_cache(maxsize=24)

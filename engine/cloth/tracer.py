@@ -3,6 +3,11 @@
 The repeat is periodic: rays that leave it by a side come in by the other one. Where a ray meets a yarn a facet of its
 surface reflects it, or it enters and comes out by a record of the thread (`records`); so nothing is lost. Ways inside each
 kind of yarn are summed up, by which dyes absorb afterwards.
+
+What a ray does is as likely the other way round. Records are of straight round threads, on which equal steps along and
+about are equal areas; so on bent flat yarns exits are moved by equal areas (`tubes.girths`). Where yarns press into each
+other, light that leaves one inside another meets the first surface back along its line: that of the other yarn in the
+first, or the first yarn's own far side. The map of lines keeps projected solid angles and is its own reverse.
 """
 
 from __future__ import annotations
@@ -16,7 +21,7 @@ import numpy as np
 
 from .records import DrawnExits
 from .thread_walk import ThreadOptics, random_numbers
-from .tubes import CORNERS, Tubes, make_triangles
+from .tubes import ABOUT, CORNERS, Tubes, girths, make_triangles
 
 CHUNK = 4
 """Steps after which rays that have left are put aside, so that the others do not wait for them."""
@@ -71,6 +76,8 @@ class WovenScene:
         parameters["faces"] = mi.UInt32(faces.ravel())
         parameters.update()
         self.scene = mi.load_dict({"type": "scene", "cloth": mesh})
+        one, two, three = (points[faces[:, k]] for k in range(3))
+        self.facing = mi.Float(np.cross(three - one, two - one).ravel())
         self.rings = tubes.widths.shape[1]
         # Four numbers are fetched at a time.
         self.centres, self.tangents, self.ups = (
@@ -78,11 +85,12 @@ class WovenScene:
             for each, more in (
                 (tubes.centres, 0.5 * tubes.heights),
                 (tubes.tangents, 0.5 * tubes.widths),
-                (tubes.ups, np.zeros_like(tubes.widths)),
+                (tubes.ups, tubes.bends),
             )
         )
         self.steps, self.periods = mi.Float(tubes.steps), mi.Float(tubes.periods)
         self.kinds = mi.UInt32(tubes.kinds)
+        self.girths = mi.Float(girths(tubes).ravel())
         self.radii = mi.Float(np.asarray(radii, np.float64))
         self.indices = mi.Float([each.index for each in optics])
         self.roughnesses = mi.Float([each.roughness for each in optics])
@@ -94,12 +102,14 @@ class WovenScene:
         self.offset = dr.opaque(mi.Float, 2e-4 * float(tubes.heights.max()))
         self.last_ring = dr.opaque(mi.UInt32, self.rings - 1)
 
-    def trace(self, direction, count: int, seed: int) -> Traced:
+    def trace(self, direction, count: int, seed: int, places=None) -> Traced:
         """Send rays onto a cloth at places that are evenly spread; ray k goes at the anchor k modulo their number.
 
         Parameters
         ----------
-        direction : (3,) array    In which they go; with z below 0 onto the front, above 0 onto the back.
+        direction : (3,) array, or three Float
+            In which they go, all or each; with z below 0 onto the front, above 0 onto the back.
+        places : two Float or None    x and y where they start, above or below all yarns. [mm]
         """
         width, depth, *_ = self.bounds
         place = dr.arange(mi.UInt32, count)
@@ -107,13 +117,18 @@ class WovenScene:
         # Places along one axis are even, so that openings are met as often as they are wide.
         x = (dr.arange(mi.Float, count) + stream.next_float32()) / count * width
         y = stream.next_float32() * depth
-        down = float(direction[2]) < 0.0
-        z = dr.opaque(mi.Float, self.tubes.high if down else self.tubes.low, count)
+        if places is not None:
+            x, y = (mi.Float(each) for each in places)
         # Opaque, as a kernel of its own for each direction would take longer than the rays do.
-        heading = [dr.opaque(mi.Float, float(each), count) for each in direction]
+        heading = [
+            each if isinstance(each, mi.Float) else dr.opaque(mi.Float, float(each), count)
+            for each in direction
+        ]
+        z = dr.select(heading[2] < 0.0, self.bounds[5], self.bounds[4])
         zero = dr.zeros(mi.Float, count)
         none = dr.zeros(mi.UInt32, count)
-        state = [x, y, z, *heading, *(mi.Float(zero) for _ in range(KINDS)), none, mi.UInt32(none)]
+        ways = [mi.Float(zero) for _ in range(KINDS)]
+        state = [x, y, z, *heading, *ways, dr.zeros(mi.Bool, count), none, mi.UInt32(none)]
         found = [dr.zeros(type(each), count) for each in state]
         for chunk in range(MOST_STEPS // CHUNK):
             inside = dr.full(mi.Bool, True, dr.width(place))
@@ -138,10 +153,68 @@ class WovenScene:
         if dr.width(place):
             dr.scatter(lost, mi.Bool(True), place)
         dr.eval(found, lost)
-        _, _, _, dx, dy, dz, *ways, events, _ = found
+        _, _, _, dx, dy, dz, *ways, _, events, _ = found
         return Traced(dx, dy, dz, ways, events, lost)
 
-    def _step(self, anchor, inside, stream, x, y, z, dx, dy, dz, warp, weft, pile, events, steps):
+    def straight_shares(self, directions, count: int, seed: int = 0) -> np.ndarray:
+        """Share of light that meets no yarn. (n, 3) directions in which it goes down onto the front -> (n,) [-]
+
+        Parameters
+        ----------
+        count : int    Rays of each direction, at places that are evenly spread along one axis.
+        """
+        width, depth, about_x, about_y, low, high = self.bounds
+        place = dr.arange(mi.UInt32, len(directions) * count)
+        stream = random_numbers(seed, 0, place)
+        dx, dy, dz = (mi.Float(np.repeat(each, count)) for each in np.transpose(directions))
+        x = (mi.Float(place % count) + stream.next_float32()) / count * width
+        y = stream.next_float32() * depth
+        z = high + dr.zeros(mi.Float, dr.width(place))
+
+        def step(inside, is_open, x, y, z):
+            sides = (
+                (
+                    dr.select(d > 0.0, extent + about - spot, spot + about)
+                    / dr.maximum(dr.abs(d), 1e-9)
+                )
+                for d, spot, extent, about in ((dx, x, width, about_x), (dy, y, depth, about_y))
+            )
+            side = dr.maximum(dr.minimum(*sides), 0.0)
+            down = dr.maximum((low - z) / dz, 0.0)
+            reach = dr.minimum(side, down)
+            ray = mi.Ray3f(mi.Point3f(x, y, z), mi.Vector3f(dx, dy, dz), reach, 0.0, mi.Color0f())
+            is_open = is_open & ~self.scene.ray_test(ray)
+            inside = inside & is_open & (side < down)
+            x, y = _wrapped(dr.fma(reach, dx, x), width), _wrapped(dr.fma(reach, dy, y), depth)
+            return inside, is_open, x, y, dr.fma(reach, dz, z)
+
+        yes = dr.full(mi.Bool, True, dr.width(place))
+        _, is_open, *_ = dr.while_loop(
+            (mi.Bool(yes), mi.Bool(yes), x, y, z),
+            lambda inside, *_: inside,
+            step,
+            label="straight light",
+        )
+        return np.array(is_open).reshape(len(directions), count).mean(axis=1)
+
+    def _step(
+        self,
+        anchor,
+        inside,
+        stream,
+        x,
+        y,
+        z,
+        dx,
+        dy,
+        dz,
+        warp,
+        weft,
+        pile,
+        goes_back,
+        events,
+        steps,
+    ):
         width, depth, about_x, about_y, low, high = self.bounds
         # To the nearest side of the repeat with what lies about it.
         away_x = dr.select(dx > 0.0, width + about_x - x, x + about_x) / dr.maximum(
@@ -159,21 +232,34 @@ class WovenScene:
         met = self.scene.ray_intersect_preliminary(ray, coherent=False)
         hits = met.is_valid() & (met.t <= reach)
         ends = ~hits & (away_z <= side)
-        px, py, pz, ex, ey, ez, way, kind, counts = self._meet(
-            anchor, stream, met, hits, mi.Point3f(x, y, z), mi.Vector3f(dx, dy, dz)
+        facing = dr.gather(mi.Vector3f, self.facing, met.prim_index, hits)
+        from_inside = dr.dot(mi.Vector3f(dx, dy, dz), facing) > 0.0
+        # Light that turns out to be inside a yarn looks back along its line for the surface that it meets.
+        counts = hits & (from_inside == goes_back)
+        turns = hits & from_inside & ~goes_back
+        sign = dr.select(goes_back, -1.0, 1.0)
+        start, made, way, kind = self._meet(
+            anchor, stream, met, counts, sign * mi.Vector3f(dx, dy, dz)
         )
-        x = _wrapped(dr.select(hits, px, dr.fma(side, dx, x)), width)
-        y = _wrapped(dr.select(hits, py, dr.fma(side, dy, y)), depth)
-        z = dr.select(hits, pz, dr.fma(side, dz, z))
-        dx, dy, dz = dr.select(hits, ex, dx), dr.select(hits, ey, dy), dr.select(hits, ez, dz)
-        warp = warp + dr.select(hits & (kind == 0), way, 0.0)
-        weft = weft + dr.select(hits & (kind == 1), way, 0.0)
-        pile = pile + dr.select(hits & (kind == 2), way, 0.0)
+        ahead = dr.select(turns, 0.0, dr.select(hits, met.t + self.offset, side))
+        x = _wrapped(dr.select(counts, start.x, dr.fma(ahead, dx, x)), width)
+        y = _wrapped(dr.select(counts, start.y, dr.fma(ahead, dy, y)), depth)
+        z = dr.select(counts, start.z, dr.fma(ahead, dz, z))
+        turn = dr.select(turns, -1.0, 1.0)
+        dx, dy, dz = (
+            dr.select(counts, one, turn * other)
+            for one, other in ((made.x, dx), (made.y, dy), (made.z, dz))
+        )
+        goes_back = (goes_back | turns) & ~counts
+        warp = warp + dr.select(counts & (kind == 0), way, 0.0)
+        weft = weft + dr.select(counts & (kind == 1), way, 0.0)
+        pile = pile + dr.select(counts & (kind == 2), way, 0.0)
         events = events + dr.select(counts, mi.UInt32(1), mi.UInt32(0))
-        return inside & ~ends, stream, x, y, z, dx, dy, dz, warp, weft, pile, events, steps + 1
+        inside = inside & ~ends
+        return inside, stream, x, y, z, dx, dy, dz, warp, weft, pile, goes_back, events, steps + 1
 
-    def _meet(self, anchor, stream, met, hits, origin, direction):
-        """Where a ray that meets a yarn goes on, and by which way inside: place, direction, way, kind, whether it counts."""
+    def _meet(self, anchor, stream, met, hits, direction):
+        """Where a ray that meets a yarn goes on, and by which way inside: place, direction, way, kind."""
         prim = met.prim_index
         quad, second = prim // 2, (prim & 1) == 1
         corner = quad % CORNERS
@@ -184,48 +270,64 @@ class WovenScene:
         place = mi.Float(ring) + dr.select(second, u, u + v)
         turn = (mi.Float(corner) + dr.select(second, u + v, v)) * (2.0 * np.pi / CORNERS)
         kind = dr.gather(mi.UInt32, self.kinds, tube, hits)
-        _, normal, along, about = self._frame(tube, place, turn, hits)
-        inward, axial, around = (
-            -dr.dot(direction, normal),
-            dr.dot(direction, along),
-            dr.dot(direction, about),
-        )
-        # From inside, where yarns press into each other, there is nothing to meet.
-        from_inside = inward <= 0.0
-        reflected, out = self._facet(
-            stream, kind, mi.Vector3f(-around, -axial, dr.maximum(inward, 1e-4)), hits
-        )
-        drawn = self.exits.draw(
-            kind + KINDS * anchor, axial, around, dr.maximum(inward, 1e-4), stream
-        )
+        frame = self._frame(tube, place, hits)
+        _, normal, along, about = self._point(frame, turn)
+        axial, around = dr.dot(direction, along), dr.dot(direction, about)
+        # A facet of the drawn body may face light that its round one turns away from.
+        inward = dr.maximum(-dr.dot(direction, normal), 1e-4)
+        reflected, out = self._facet(stream, kind, mi.Vector3f(-around, -axial, inward), hits)
+        drawn = self.exits.draw(kind + KINDS * anchor, axial, around, inward, stream)
         radius = dr.gather(mi.Float, self.radii, kind, hits)
-        enters = ~reflected & ~from_inside
-        moved = place + dr.select(
-            enters, drawn[0] * radius / dr.gather(mi.Float, self.steps, tube, hits), 0.0
-        )
-        moved = self._placed(tube, moved, hits)
-        turned = turn + dr.select(enters, drawn[1], 0.0)
-        point, normal, along, about = self._frame(tube, moved, turned, hits)
+        moved = place + drawn[0] * radius / dr.gather(mi.Float, self.steps, tube, hits)
+        moved = self._placed(tube, dr.select(reflected, place, moved), hits)
+        area = self._area(kind, turn, frame[-1], hits) + drawn[1]
+        frame = self._frame(tube, moved, hits)
+        turn = dr.select(reflected, turn, self._turn(kind, area, frame[-1], hits))
+        point, normal, along, about = self._point(frame, turn)
         ahead = drawn[2] * normal + drawn[3] * along + drawn[4] * about
         mirrored = out.z * normal + out.y * along + out.x * about
-        made = dr.normalize(dr.select(enters, ahead, mirrored))
-        made = dr.select(from_inside, direction, made)
-        through = origin + (met.t + self.offset) * direction
-        start = dr.select(from_inside, through, point + normal * self.offset)
-        way = dr.select(enters, drawn[5] * radius, 0.0)
-        return start.x, start.y, start.z, made.x, made.y, made.z, way, kind, hits & ~from_inside
+        made = dr.normalize(dr.select(reflected, mirrored, ahead))
+        way = dr.select(reflected, 0.0, drawn[5] * radius)
+        return point + normal * self.offset, made, way, kind
 
     def _placed(self, tube, place, hits):
-        """Places along tubes, brought back by whole repeats, or to a pile's ends."""
+        """Places along tubes, brought back by whole repeats, or mirrored at a pile's ends."""
         period = dr.gather(mi.Float, self.periods, tube, hits)
         last = mi.Float(self.last_ring)
         safe = dr.maximum(period, 1.0)
-        middle = 0.5 * last
-        shifted = place - safe * dr.round((place - middle) / safe)
-        return dr.clip(dr.select(period > 0.0, shifted, place), 0.0, last)
+        shifted = place - safe * dr.round((place - 0.5 * last) / safe)
+        double = 2.0 * last
+        folded = dr.abs(place - double * dr.round(place / double))
+        return dr.clip(dr.select(period > 0.0, shifted, folded), 0.0, last)
 
-    def _frame(self, tube, place, turn, hits):
-        """Point, normal, and axes along and about a tube."""
+    def _area(self, kind, turn, bend, hits):
+        """Share of a ring's area up to an angle about it, times 2 pi; see `tubes.girths`."""
+        half = turn - 2.0 * np.pi * dr.round(turn / (2.0 * np.pi))
+        spot = dr.minimum(dr.abs(half) * (ABOUT / np.pi), ABOUT - 1e-3)
+        low = mi.UInt32(spot)
+        first, second = (self._cut(kind, low + k, bend, hits) for k in (0, 1))
+        return dr.mulsign(dr.lerp(first, second, spot - mi.Float(low)), half)
+
+    def _turn(self, kind, area, bend, hits):
+        """The angle about a ring up to which there is a share of its area: the reverse of `_area`."""
+        half = area - 2.0 * np.pi * dr.round(area / (2.0 * np.pi))
+        wanted = dr.abs(half)
+        low = dr.zeros(mi.UInt32, dr.width(half))
+        step = ABOUT // 2
+        while step:
+            middle = low + step
+            low = dr.select(self._cut(kind, middle, bend, hits) <= wanted, middle, low)
+            step //= 2
+        first, second = (self._cut(kind, low + k, bend, hits) for k in (0, 1))
+        share = dr.clip((wanted - first) / dr.maximum(second - first, 1e-9), 0.0, 1.0)
+        return dr.mulsign((mi.Float(low) + share) * (np.pi / ABOUT), half)
+
+    def _cut(self, kind, number, bend, hits):
+        pair = dr.gather(mi.Vector2f, self.girths, kind * (ABOUT + 1) + number, hits)
+        return pair.x - bend * pair.y
+
+    def _frame(self, tube, place, hits):
+        """Centre, half axes, axes along, up and across of a tube at places along it, and its bend."""
         low = dr.minimum(mi.UInt32(place), self.last_ring - 1)
         share = place - mi.Float(low)
         first = tube * (self.last_ring + 1) + low
@@ -237,9 +339,15 @@ class WovenScene:
 
         centre, b = between(self.centres)
         along, a = between(self.tangents)
-        up, _ = between(self.ups)
+        up, bend = between(self.ups)
         along = dr.normalize(along)
         up = dr.normalize(up - dr.dot(up, along) * along)
+        return centre, a, b, along, up, bend
+
+    @staticmethod
+    def _point(frame, turn):
+        """Point, normal, and axes along and about a tube at an angle about it."""
+        centre, a, b, along, up, _ = frame
         across = dr.cross(along, up)
         sine, cosine = dr.sincos(turn)
         point = centre + b * cosine * up + a * sine * across

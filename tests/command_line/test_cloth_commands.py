@@ -27,3 +27,25 @@ def test_compute_writes_a_measured_material(tmp_path, capsys):
 def test_a_missing_file_is_said(tmp_path, capsys):
     assert main(["cloth", "compute", str(tmp_path / "none.json")]) != 0
     assert "none.json" in capsys.readouterr().err
+
+
+def test_threads_are_drawn_and_made_as_bodies(tmp_path, capsys):
+    from PIL import Image
+
+    picture, body = tmp_path / "threads.png", tmp_path / "threads.obj"
+    few = ["--size", "16", "--samples", "3", "--repeats", "2"]
+    assert main(["cloth", "close-up", "voile", *few, "-o", str(picture)]) == 0
+    with Image.open(picture) as image:
+        assert image.size == (32, 34)
+    assert main(["cloth", "mesh", "voile", "-o", str(body)]) == 0
+    # Two ends of 0.26 mm, two picks of 0.28 mm.
+    assert "0.52 x 0.56 mm" in capsys.readouterr().out
+    assert body.read_text().count("\no ") == 2
+
+
+def test_a_sheet_that_cannot_be_is_refused(tmp_path, capsys):
+    sheet = ["--openness", "10%", "--transmittance", "5%", "--reflectance", "40%"]
+    path = tmp_path / "screen.json"
+    assert main(["cloth", "fit", *sheet, "-o", str(path)]) != 0
+    assert "expected the openness at least: 10 %" in capsys.readouterr().err
+    assert not path.exists()
