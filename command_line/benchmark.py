@@ -126,7 +126,7 @@ def add_command(commands) -> None:
         "--parts",
         type=words,
         metavar="A,B",
-        help="only these of reference, dense, trend, processes (default: all)",
+        help="only these of reference, dense, trend, series, processes (default: all)",
     )
     ink.add_argument(
         "--resume",

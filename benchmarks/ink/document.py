@@ -1,7 +1,8 @@
 """The document of what was measured of dense pigment layers."""
 
-from ...engine.analysis.ink_picture import draw_patches
+from ...engine.analysis.ink_picture import draw_amounts, draw_patches
 from ..common.document import make_table, tell_demands
+from .series import WRONG, find_departures
 
 GROUPS = {
     "C1": "scalar spheres, sums of partial waves",
@@ -33,6 +34,8 @@ def describe(result: dict, bars) -> str:
         chapters.append(_reference(rows))
     if "trend" in parts:
         chapters.append(_trend(parts["trend"]))
+    if "series" in parts:
+        chapters.append(_series(parts["series"]))
     if "processes" in parts:
         seconds = parts["processes"]["seconds"]
         chapters.append(
@@ -51,6 +54,55 @@ def draw_trend(rows):
         for name in colours
     ]
     return draw_patches(patches, rows[0]["wavelengths_nm"])
+
+
+def draw_series(rows):
+    """Reflectances over the amount of pigment, by all models."""
+    curves = []
+    for pigment, nm in _kinds(rows):
+        own = [row for row in rows if (row["pigment"], row["wavelength_nm"]) == (pigment, nm)]
+        names = ("share", "waves", "standard_error", "transfer", "kubelka_munk")
+        curves.append((f"{pigment}, {nm:.0f} nm", *([row[name] for row in own] for name in names)))
+    return draw_amounts(curves)
+
+
+def _kinds(rows) -> list[tuple[str, float]]:
+    return list(dict.fromkeys((row["pigment"], row["wavelength_nm"]) for row in rows))
+
+
+def _series(rows) -> str:
+    lines = [
+        f"| {row['pigment']} | {row['wavelength_nm']:.0f} | {100 * row['share']:.0f} % | {row['waves']:.4f} | "
+        f"{row['standard_error']:.1g} | {row['grid_error']:.1g} | {row['transfer']:.4f} | {row['transfer_mie']:.4f} | "
+        f"{row['kubelka_munk']:.4f} |"
+        for row in rows
+    ]
+    table = make_table(
+        "| pigment | nm | volume | waves | error | grid | transfer, same spheres | transfer, Mie | Kubelka-Munk |",
+        lines,
+        1,
+    )
+    lines = []
+    for entry in find_departures(rows):
+        amounts = (
+            "not up to here" if entry[name] is None else f"{100 * entry[name]:.0f} %"
+            for name in ("transfer", "transfer_mie", "kubelka_munk")
+        )
+        lines.append(
+            f"| {entry['pigment']} | {entry['wavelength_nm']:.0f} | {' | '.join(amounts)} |"
+        )
+    departures = make_table(
+        "| pigment | nm | transfer, same spheres | transfer, Mie | Kubelka-Munk |", lines, 1
+    )
+    return (
+        "## Concentrations\n\nReflectance factors at 45:0 of a layer of 1 um that wets a white of 0.9. Radiative transfer by "
+        "adding and doubling lets spheres scatter one by one: once the spheres of the scalar equation, so that only crowding "
+        "and interference differ, once those of Mie. Kubelka's and Munk's K and S are 2 and 3/4 (1 - g) times the spheres' "
+        "absorption and scattering, times one factor by which the weakest print is that of waves.\n\n"
+        + table
+        + "\n\n![Reflectance over the amount of pigment](ink_series.png)\n\nFrom these amounts on they are more than "
+        f"{WRONG:g} and two standard errors from waves:\n\n" + departures + "\n"
+    )
 
 
 def _reference(rows) -> str:

@@ -4,8 +4,8 @@ Light passes between layer and substrate without a face, so that nothing but the
 
 References
 ----------
-P. Kubelka, F. Munk: Ein Beitrag zur Optik der Farbanstriche, Z. techn. Phys. 12, 1931, 593-601. J. L. Saunderson: Calculation
-of the color of pigmented plastics, J. Opt. Soc. Am. 32, 1942, 727-736 (faces). G. Kortüm: Reflectance Spectroscopy, 1969.
+P. Kubelka, F. Munk: Ein Beitrag zur Optik der Farbanstriche, Z. techn. Phys. 12, 1931, 593-601. J. L. Saunderson:
+Calculation of the color of pigmented plastics, J. Opt. Soc. Am. 32, 1942, 727-736 (faces).
 """
 
 from dataclasses import dataclass, replace
@@ -20,7 +20,7 @@ from ...engine.ink.scalar_sphere import partial_waves
 from ...engine.paint.fresnel import face_reflectance
 from ...engine.paint.reader import parse_paint
 from ...engine.paint.readings import reflectances
-from ...engine.paint.solution import solve
+from ...engine.paint.solution import Resolution, solve
 from ...libraries import inks
 from ...libraries.plain_files import read_object
 
@@ -31,6 +31,9 @@ NORMAL = (45.0,)
 
 WRONG = 0.01
 """Difference of reflectances from which models are said to depart, besides two standard errors. [-]"""
+
+RESOLUTION = Resolution(16, 4)
+"""Of radiative transfer: spheres as small as these have no sharp lobes."""
 
 LARGEST_FILE = 1 << 20
 
@@ -60,13 +63,11 @@ class Series:
 
 
 def list_series() -> tuple[Series, ...]:
-    """Give what is measured: a pigment that absorbs on white, one that scatters on black."""
+    """Give what is measured."""
     (cyan,) = read_object(inks.presets()["cyan_medium"], LARGEST_FILE)["pigments"]
     amounts = (0.02, 0.05, 0.1, 0.2, 0.3, 0.45)
-    return (
-        Series("cyan 0.2 um", cyan["index"], 1.558, 0.2, 0.9, (450.0, 550.0, 650.0), amounts),
-        Series("rutile 0.25 um", "rutile", 1.5, 0.25, 0.0, (550.0,), (0.02, 0.05, 0.1, 0.2, 0.35)),
-    )
+    bands = (450.0, 550.0, 650.0)
+    return (Series("cyan 0.2 um", cyan["index"], 1.558, 0.2, 0.9, bands, amounts),)
 
 
 def measure_series(say) -> list[dict]:
@@ -231,5 +232,7 @@ def _transfer(series: Series, band: int, pigment: dict) -> float:
         "layers": [layer],
         "substrate": {"reflectance": series.substrate},
     }
-    solution = solve(parse_paint(content), series.wavelengths[band : band + 1])
+    solution = solve(
+        parse_paint(content), series.wavelengths[band : band + 1], resolution=RESOLUTION
+    )
     return float(reflectances(solution, NORMAL)[0, 0])

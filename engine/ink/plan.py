@@ -108,7 +108,7 @@ def make_plan(ink: Ink, *, draft: bool = False, realisations: int | None = None)
     if ink.relief:
         finest = min(finest, ink.relief.length / per_diameter)
     largest = max([*sizes, ink.relief.length if ink.relief else 0.0], default=0.0)
-    width = stated.cell or max(NARROWEST * (0.75 if draft else 1.0), DIAMETERS * largest)
+    width = stated.cell or max(NARROWEST, DIAMETERS * largest) * (0.75 if draft else 1.0)
     columns = _smooth(width / finest) if sizes or ink.relief else 2
     layers = 2 * math.ceil(0.5 * _height(ink) * FINER_DOWN / finest)
     count = stated.incidences or (4 if draft else INCIDENCES)

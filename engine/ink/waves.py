@@ -177,9 +177,9 @@ class Waves:
     def _solve_damped(self, start: np.ndarray, tolerance: float, used: int) -> Found:
         """Solve the same equations where waves run along the layer for long, and sums of what they send out do not settle.
 
-        A layer that absorbs, eps_b + i d, has waves that die, of which the function G' is: of G (1 - c G)^-1 for c = i d k0^2.
-        So 1 + c G' nearly undoes 1 - c G, and (1 - G V) (1 + c G') w = u0 has no long waves to sum up. The residual and, with
-        u = (1 + c G') w, the answer are those of 1 - G V: energy is kept as before.
+        A layer that absorbs, eps_b + i d, has waves that die, of which the function G' is: that of G (1 - c G)^-1 with
+        c = i d k0^2. So 1 + c G' nearly undoes 1 - c G, and (1 - G V) (1 + c G') w = u0 has no long waves to sum up. The
+        residual and, with u = (1 + c G') w, the answer are those of 1 - G V: energy is kept as before.
         """
         strength = 1j * DAMPING * float(np.abs(self._strength).max())
         damped = Waves(

@@ -39,8 +39,12 @@ JOB_NAMES = {
     "find_lumels": "layout of maps",
     "bake_objects": "bake",
     "compute_paint": "computation of a paint",
+    "compute_ink": "computation of a pigment layer",
+    "explain": "explanation of a render",
+    "write_spectral": "writing of a spectral picture",
+    "mix_maps": "mix of lux maps",
 }
-"""What people call the jobs."""
+"""What people call the jobs, all of them: others wait for any."""
 
 
 @dataclass(eq=False)
