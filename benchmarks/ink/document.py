@@ -85,7 +85,7 @@ def _series(rows) -> str:
     lines = []
     for entry in find_departures(rows):
         amounts = (
-            "not up to here" if entry[name] is None else f"{100 * entry[name]:.0f} %"
+            ", ".join(f"{100 * share:.0f} %" for share in entry[name]) or "none"
             for name in ("transfer", "transfer_mie", "kubelka_munk")
         )
         lines.append(
@@ -95,13 +95,15 @@ def _series(rows) -> str:
         "| pigment | nm | transfer, same spheres | transfer, Mie | Kubelka-Munk |", lines, 1
     )
     return (
-        "## Concentrations\n\nReflectance factors at 45:0 of a layer of 1 um that wets a white of 0.9. Radiative transfer by "
-        "adding and doubling lets spheres scatter one by one: once the spheres of the scalar equation, so that only crowding "
-        "and interference differ, once those of Mie. Kubelka's and Munk's K and S are 2 and 3/4 (1 - g) times the spheres' "
-        "absorption and scattering, times one factor by which the weakest print is that of waves.\n\n"
+        "## Concentrations\n\nReflectance factors at 45:0 of a layer of 1 um that wets a white of 0.9. Radiative transfer "
+        "by adding and doubling lets spheres scatter one by one: once the spheres of the scalar equation, so that only "
+        "crowding and interference differ, once those of Mie. Kubelka's and Munk's K and S are 2 and 3/4 (1 - g) times the "
+        "spheres' absorption and scattering, times one factor by which the weakest print is that of waves.\n\n"
         + table
-        + "\n\n![Reflectance over the amount of pigment](ink_series.png)\n\nFrom these amounts on they are more than "
-        f"{WRONG:g} and two standard errors from waves:\n\n" + departures + "\n"
+        + "\n\n![Reflectance over the amount of pigment](ink_series.png)\n\nAt these amounts they are apart from "
+        f"waves, by more than {WRONG:g} or the grid's error and two standard errors:\n\n"
+        + departures
+        + "\n"
     )
 
 

@@ -9,6 +9,7 @@ Calculation of the color of pigmented plastics, J. Opt. Soc. Am. 32, 1942, 727-7
 """
 
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -30,7 +31,7 @@ NORMAL = (45.0,)
 """Aspecular angle of the normal, of light at 45 degrees. [deg]"""
 
 WRONG = 0.01
-"""Difference of reflectances from which models are said to depart, besides two standard errors. [-]"""
+"""Difference of reflectances from which models are said to be apart, besides two standard errors. [-]"""
 
 RESOLUTION = Resolution(16, 4)
 """Of radiative transfer: spheres as small as these have no sharp lobes."""
@@ -99,21 +100,21 @@ def measure_series(say) -> list[dict]:
 
 
 def find_departures(rows) -> list[dict]:
-    """Tell for each pigment and wavelength from which amount on each model differs from waves; None: from none.
+    """Tell for each pigment and wavelength at which amounts each model is apart from waves.
 
-    A difference counts from `WRONG` on, besides two standard errors, at this amount and all larger ones.
+    A difference counts from `WRONG`, or the grid's error if that is more, and two standard errors on.
     """
     found = []
     for pigment, nm in dict.fromkeys((row["pigment"], row["wavelength_nm"]) for row in rows):
         own = [row for row in rows if (row["pigment"], row["wavelength_nm"]) == (pigment, nm)]
         entry = {"pigment": pigment, "wavelength_nm": nm}
         for name in ("transfer", "transfer_mie", "kubelka_munk"):
-            entry[name] = None
-            for row in reversed(own):
-                far = abs(row[name] - row["waves"]) > WRONG + 2.0 * row["standard_error"]
-                if not far:
-                    break
-                entry[name] = row["share"]
+            entry[name] = [
+                row["share"]
+                for row in own
+                if abs(row[name] - row["waves"])
+                > max(WRONG, row["grid_error"]) + 2.0 * row["standard_error"]
+            ]
         found.append(entry)
     return found
 
@@ -135,13 +136,18 @@ def munk_reflectance(absorption, scattering, thickness, substrate, index) -> flo
         b = np.sqrt(max(a * a - 1.0, 1e-16))
         turn = b / np.tanh(b * scattering * thickness)
         within = (1.0 - substrate * (a - turn)) / (a - substrate + turn)
-    nodes, weights = np.polynomial.legendre.leggauss(400)
-    squared = 0.5 * (nodes + 1.0)
-    # Over the squared sine from within, which is even for diffuse light.
-    back = float(0.5 * weights @ face_reflectance(index * np.sqrt(squared), 1.0, index))
+    back = _face_from_within(index)
     sines = np.sin(np.radians([INCIDENCE, 0.0]))
     enter, leave = 1.0 - face_reflectance(sines, 1.0, index)
     return float(enter * leave / index**2 * within / (1.0 - back * within))
+
+
+@lru_cache
+def _face_from_within(index: float) -> float:
+    """Reflectance of the face for diffuse light from within, of which the squared sine is even."""
+    nodes, weights = np.polynomial.legendre.leggauss(400)
+    sines = index * np.sqrt(0.5 * (nodes + 1.0))
+    return float(0.5 * weights @ face_reflectance(sines, 1.0, index))
 
 
 def _ink(series: Series, share: float) -> Ink:

@@ -96,8 +96,9 @@ def draw_amounts(curves, size: tuple[int, int] = (900, 640)) -> Image.Image:
         "pigment by volume",
         lambda level: f"{level:.1f}",
     )
-    for (name, shares, waves, errors, transfer, munk), colour in zip(curves, COLOURS, strict=False):
+    for (_, shares, *values), colour in zip(curves, COLOURS, strict=False):
         at = 100.0 * np.asarray(shares)
+        waves, errors, transfer, munk = (np.asarray(each) for each in values)
         for place, value, error in zip(at, waves, errors, strict=True):
             ends = [
                 tuple(map(float, axes.place(place, value + k * SPREAD * error))) for k in (-1, 1)
@@ -107,8 +108,9 @@ def draw_amounts(curves, size: tuple[int, int] = (900, 640)) -> Image.Image:
         canvas.curve(axes.place(at, waves), colour, 1.8)
         canvas.dashed(axes.place(at, transfer), colour, 1.2, (7.0, 4.0))
         canvas.dashed(axes.place(at, munk), colour, 1.2, (1.5, 3.0))
-        x, y = map(float, axes.place(at[-1], waves[-1]))
-        canvas.write((x - 6 * canvas.zoom, y - 10 * canvas.zoom), printable(name), 11, "rm")
+    canvas.legend(
+        [(colour, printable(name)) for (name, *_), colour in zip(curves, COLOURS, strict=False)]
+    )
     axes.title(
         "Reflectance over the amount of pigment",
         "45:0; lines: waves, bars: two standard errors; dashes: spheres one by one; dots: Kubelka and Munk",
