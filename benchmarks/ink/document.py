@@ -37,11 +37,14 @@ def describe(result: dict, bars) -> str:
     if "series" in parts:
         chapters.append(_series(parts["series"]))
     if "processes" in parts:
-        seconds = parts["processes"]["seconds"]
+        timed = parts["processes"]
+        clock = ", ".join(f"{one:.1f} s and {two:.1f} s" for one, two in timed["clock_seconds"])
+        used = timed["processor_seconds"]
         chapters.append(
             "## Processes\n\n"
-            f"The same job takes {seconds['one']:.1f} s with one process, {seconds['two']:.1f} s with two, and "
-            f"{seconds['twice']:.1f} s with one and twice the realisations.\n"
+            f"The same job takes {used['one']:.1f} processor seconds with one process, {used['two']:.1f} in two together, "
+            f"and {used['twice']:.1f} with one and twice the realisations; units are shared as they go, so two "
+            f"idle processors are {timed['gain']:.2f} times as fast as one. By the clock, beside other work: {clock}.\n"
         )
     return "\n".join(chapters)
 
