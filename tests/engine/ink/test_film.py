@@ -35,7 +35,7 @@ def _small(ink, **changes):
 def scattering():
     """A lossless layer of large grains, on white paper."""
     ink = make_ink(0.3, 0.3, 1.7, reflectance=1.0, spread=0.1)
-    plan = _small(ink, width=1.5, columns=20, layers=16)
+    plan = _small(ink, width=1.5, columns=20, layers=16, tolerance=1e-4)
     return _solve(ink, plan)
 
 
