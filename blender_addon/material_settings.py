@@ -19,17 +19,20 @@ from .foundation.settings import (
     light_group_property,
     tag_owner,
 )
+from .inks.settings import LumenrayInkSettings
 from .paints.settings import LumenrayPaintSettings
 from .scattering.settings import LumenrayMeasuredSettings
 from .surface_models import model_items
 
 
 def _follow_override(self, context):
-    """Show the look of a measured material, or what the material was before; a new paint begins with a preset."""
+    """Show the look of a measured material, or what the material was before; a new paint or print begins with a preset."""
+    from .inks.presets import begin as begin_ink
     from .paints.presets import begin
     from .scattering.look_nodes import follow_override
 
     begin(self.id_data)
+    begin_ink(self.id_data)
     follow_override(self.id_data)
     tag_owner(self, context)
 
@@ -215,4 +218,5 @@ class LumenrayMaterialSettings(SpectrumSettings, PropertyGroup):
     )
     measured: PointerProperty(type=LumenrayMeasuredSettings)
     paint: PointerProperty(type=LumenrayPaintSettings)
+    ink: PointerProperty(type=LumenrayInkSettings)
     light_group: light_group_property("what glows with this material")

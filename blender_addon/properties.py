@@ -35,6 +35,7 @@ from .foundation.settings import (
     tag_owner,
 )
 from .ground import LumenrayGroundSettings
+from .inks import settings as ink_settings
 from .light_settings import LumenrayLightSettings
 from .luminaires.settings import LumenrayEmptySettings, LumenrayLuminaireSettings
 from .material_settings import LumenrayMaterialSettings
@@ -316,6 +317,7 @@ CLASSES = (
     LumenrayLightSettings,
     LumenrayMeasuredSettings,
     *paint_settings.CLASSES,
+    *ink_settings.CLASSES,
     LumenrayMaterialSettings,
     LumenraySkySettings,
     *daylight_settings.CLASSES,

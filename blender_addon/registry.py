@@ -21,6 +21,7 @@ def _groups():
     from .bake import running as running_bake
     from .daylight import following, ready
     from .foundation import background_job, engine_process, identity, running_trials
+    from .inks.tables import ink_tables
     from .modelling import results as modelling_results
     from .paints.tables import paint_tables
     from .raysets.files import ray_files
@@ -49,6 +50,7 @@ def _groups():
         ray_files,
         scattering_files,
         paint_tables,
+        ink_tables,
         engine_process,
         running_bake,
         running_trials,

@@ -7,6 +7,9 @@ from .scattering.files import MEASURED
 PAINT = "PAINT"
 """Model of paints by their composition, see `paints`."""
 
+INK = "INK"
+"""Model of dense pigment layers by their composition, see `inks`."""
+
 
 @dataclass(frozen=True)
 class Model:
@@ -64,6 +67,12 @@ MODELS = {
         "Effect paint by its composition: layers with binder, flakes and pigments",
         8,
         ("paint",),
+    ),
+    INK: Model(
+        "Pigment Layer",
+        "Printed layer by its composition: particles packed in a binder on a substrate, by the wave equation",
+        9,
+        ("ink",),
     ),
 }
 """Kinds of surfaces, by their names in scripts."""

@@ -25,6 +25,7 @@ from .baking.order import BakeOrder, BakeResult
 from .daylight.coefficients import DaylightCoefficients, DaylightOrder
 from .errors import Cancelled, SceneError
 from .grouped_picture import Rendered, render_groups
+from .ink.surface import PrintedSurface
 from .light_mix import LightMix
 from .live import WatchedView
 from .measurements import Measurement, SensorSpectra, SurfaceProbe
@@ -216,6 +217,48 @@ class Session:
                 progress(Progress(share, 0, math.inf, seconds, None, "paint"))
 
         return paint_surface(json.loads(description), report)
+
+    def compute_ink(
+        self,
+        description: str,
+        draft: bool = False,
+        processes: int = 1,
+        progress: Callable[[Progress], None] | None = None,
+    ) -> PrintedSurface:
+        """Compute what a dense pigment layer scatters; it has nothing to do with the scene, and others work meanwhile.
+
+        What is solved is kept where the commands keep it, so a job that was ended goes on.
+
+        Parameters
+        ----------
+        description : str    JSON text of its composition.
+        draft : bool    As of `ink.plan.make_plan`.
+        processes : int    That solve side by side.
+
+        Raises
+        ------
+        FileFormatError    The description breaks its schema or names what there is not.
+        SceneError    The layer cannot be solved.
+        EngineLost    A process that solves ended by itself.
+        Cancelled    After `cancel`.
+        """
+        # Scenes without prints never ask for it.
+        from .ink.prints import print_surface
+
+        self._cancel = False
+
+        def report(state) -> None:
+            if self._cancelled():
+                raise Cancelled(
+                    "the pigment layer was not computed: cancelled; what was solved is kept"
+                )
+            if progress is not None:
+                left = state.left if math.isfinite(state.left) else None
+                share = state.done / state.total
+                progress(Progress(share, 0, math.inf, state.seconds, left, "pigment layer"))
+
+        content = json.loads(description)
+        return print_surface(content, draft=draft, processes=processes, report=report)
 
     def measure(
         self,

@@ -74,6 +74,7 @@ DRAWN = {
     "spectrum": _draw_spectrum,
     "measured": _draw_measured,
     "paint": _draw_measured,
+    "ink": _draw_measured,
 }
 """What is drawn for settings of a model that are more than one property with its own name."""
 

@@ -1,7 +1,8 @@
 """The document of what was measured of dense pigment layers."""
 
-from ...engine.analysis.ink_picture import draw_patches
+from ...engine.analysis.ink_picture import draw_amounts, draw_patches
 from ..common.document import make_table, tell_demands
+from .series import WRONG, find_departures
 
 GROUPS = {
     "C1": "scalar spheres, sums of partial waves",
@@ -33,12 +34,17 @@ def describe(result: dict, bars) -> str:
         chapters.append(_reference(rows))
     if "trend" in parts:
         chapters.append(_trend(parts["trend"]))
+    if "series" in parts:
+        chapters.append(_series(parts["series"]))
     if "processes" in parts:
-        seconds = parts["processes"]["seconds"]
+        timed = parts["processes"]
+        clock = ", ".join(f"{one:.1f} s and {two:.1f} s" for one, two in timed["clock_seconds"])
+        used = timed["processor_seconds"]
         chapters.append(
             "## Processes\n\n"
-            f"The same job takes {seconds['one']:.1f} s with one process, {seconds['two']:.1f} s with two, and "
-            f"{seconds['twice']:.1f} s with one and twice the realisations.\n"
+            f"The same job takes {used['one']:.1f} processor seconds with one process, {used['two']:.1f} in two together, "
+            f"and {used['twice']:.1f} with one and twice the realisations; units are shared as they go, so two "
+            f"idle processors are {timed['gain']:.2f} times as fast as one. By the clock, beside other work: {clock}.\n"
         )
     return "\n".join(chapters)
 
@@ -51,6 +57,57 @@ def draw_trend(rows):
         for name in colours
     ]
     return draw_patches(patches, rows[0]["wavelengths_nm"])
+
+
+def draw_series(rows):
+    """Reflectances over the amount of pigment, by all models."""
+    curves = []
+    for pigment, nm in _kinds(rows):
+        own = [row for row in rows if (row["pigment"], row["wavelength_nm"]) == (pigment, nm)]
+        names = ("share", "waves", "standard_error", "transfer", "kubelka_munk")
+        curves.append((f"{pigment}, {nm:.0f} nm", *([row[name] for row in own] for name in names)))
+    return draw_amounts(curves)
+
+
+def _kinds(rows) -> list[tuple[str, float]]:
+    return list(dict.fromkeys((row["pigment"], row["wavelength_nm"]) for row in rows))
+
+
+def _series(rows) -> str:
+    lines = [
+        f"| {row['pigment']} | {row['wavelength_nm']:.0f} | {100 * row['share']:.0f} % | {row['waves']:.4f} | "
+        f"{row['standard_error']:.1g} | {row['grid_error']:.1g} | {row['transfer']:.4f} | {row['transfer_mie']:.4f} | "
+        f"{row['kubelka_munk']:.4f} |"
+        for row in rows
+    ]
+    table = make_table(
+        "| pigment | nm | volume | waves | error | grid | transfer, same spheres | transfer, Mie | Kubelka-Munk |",
+        lines,
+        1,
+    )
+    lines = []
+    for entry in find_departures(rows):
+        amounts = (
+            ", ".join(f"{100 * share:.0f} %" for share in entry[name]) or "none"
+            for name in ("transfer", "transfer_mie", "kubelka_munk")
+        )
+        lines.append(
+            f"| {entry['pigment']} | {entry['wavelength_nm']:.0f} | {' | '.join(amounts)} |"
+        )
+    departures = make_table(
+        "| pigment | nm | transfer, same spheres | transfer, Mie | Kubelka-Munk |", lines, 1
+    )
+    return (
+        "## Concentrations\n\nReflectance factors at 45:0 of a layer of 1 um that wets a white of 0.9. Radiative transfer "
+        "by adding and doubling lets spheres scatter one by one: once the spheres of the scalar equation, so that only "
+        "crowding and interference differ, once those of Mie. Kubelka's and Munk's K and S are 2 and 3/4 (1 - g) times the "
+        "spheres' absorption and scattering, times one factor by which the weakest print is that of waves.\n\n"
+        + table
+        + "\n\n![Reflectance over the amount of pigment](ink_series.png)\n\nAt these amounts they are apart from "
+        f"waves, by more than {WRONG:g} or the grid's error and two standard errors:\n\n"
+        + departures
+        + "\n"
+    )
 
 
 def _reference(rows) -> str:
@@ -88,7 +145,8 @@ def _trend(rows) -> str:
     )
     return (
         "## Colours by the size of particles\n\n30 % of pigment in 1 um on paper of 0.9, light at 45 degrees seen along the "
-        "normal, D50; drafts. Small particles absorb more: the same amount of pigment is deeper in colour.\n\n"
+        "normal, D50; drafts. Small particles absorb more: the same amount of pigment is deeper in colour. "
+        "Larger particles are left out: in clear bands they take minutes each.\n\n"
         + table
         + "\n\n![Printed patches by the size of particles](ink_sizes.png)\n"
     )

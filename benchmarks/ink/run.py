@@ -9,10 +9,10 @@ from ...engine.reading.whole_file import write_whole
 from ..common.bars import Bar
 from ..common.machine import describe_machine
 from ..common.output import read_numbers, write_numbers
-from . import trend, values
-from .document import describe, draw_trend
+from . import series, trend, values
+from .document import describe, draw_series, draw_trend
 
-PARTS = ("reference", "dense", "trend", "processes")
+PARTS = ("reference", "dense", "trend", "series", "processes")
 
 SIGMAS = 4.0
 
@@ -57,6 +57,7 @@ def run(parts=None, say=lambda text: None, earlier: dict | None = None) -> dict:
         "reference": _measure_reference,
         "dense": lambda tell: judge(values.find_dense(tell), is_dense=True),
         "trend": trend.measure_trend,
+        "series": series.measure_series,
         "processes": trend.measure_processes,
     }
     kept = {} if earlier is None else earlier["parts"]
@@ -165,5 +166,7 @@ def write_results(result: dict, folder: Path, numbers: Path | None) -> None:
         file.write(text.encode())
     if "trend" in result["parts"]:
         draw_trend(result["parts"]["trend"]).save(folder / "ink_sizes.png")
+    if "series" in result["parts"]:
+        draw_series(result["parts"]["series"]).save(folder / "ink_series.png")
     if numbers is not None:
         write_numbers(result, numbers)

@@ -13,6 +13,9 @@ from .canvas import SCALE, Canvas, open_chart
 PATCH = 0.16
 """Height of the patch, by that of the picture."""
 
+COLOURS = ("#3b82c4", "#2f9e6e", "#d0331f", "#8a5bb5", "#b8860b")
+"""Of curves of amounts."""
+
 SPREAD = 2.0
 """Standard errors on either side of the curve."""
 
@@ -74,6 +77,44 @@ def draw_patches(rows, wavelengths, size: tuple[int, int] = (900, 420)) -> Image
             _fill(canvas, box, shown_colour(np.asarray(values), wavelengths))
             if number == 0:
                 canvas.write((x + 0.5 * wide, 0.5 * top), printable(title), 12, "mm")
+    return canvas.finish()
+
+
+def draw_amounts(curves, size: tuple[int, int] = (900, 640)) -> Image.Image:
+    """Draw reflectances over the amount of pigment: waves with their errors, transfer dashed, Kubelka and Munk dotted.
+
+    Parameters
+    ----------
+    curves : list of (str, shares, waves, standard errors, transfer, Kubelka-Munk)    Name of the curve, then numbers. [-]
+    """
+    canvas = open_chart(size, False)
+    last = max(max(shares) for _, shares, *_ in curves)
+    axes = Axes(canvas, (0.0, 100.0 * last), (0.0, 1.0), suffix=" %")
+    axes.draw(
+        np.arange(0.0, 100.0 * last + 0.1, 10.0),
+        np.arange(0.0, 1.01, 0.2),
+        "pigment by volume",
+        lambda level: f"{level:.1f}",
+    )
+    for (_, shares, *values), colour in zip(curves, COLOURS, strict=False):
+        at = 100.0 * np.asarray(shares)
+        waves, errors, transfer, munk = (np.asarray(each) for each in values)
+        for place, value, error in zip(at, waves, errors, strict=True):
+            ends = [
+                tuple(map(float, axes.place(place, value + k * SPREAD * error))) for k in (-1, 1)
+            ]
+            canvas.line(ends, canvas.colours.axis)
+            canvas.dot(axes.place(place, value), colour, 3.0)
+        canvas.curve(axes.place(at, waves), colour, 1.8)
+        canvas.dashed(axes.place(at, transfer), colour, 1.2, (7.0, 4.0))
+        canvas.dashed(axes.place(at, munk), colour, 1.2, (1.5, 3.0))
+    canvas.legend(
+        [(colour, printable(name)) for (name, *_), colour in zip(curves, COLOURS, strict=False)]
+    )
+    axes.title(
+        "Reflectance over the amount of pigment",
+        "45:0; lines: waves, bars: two standard errors; dashes: spheres one by one; dots: Kubelka and Munk",
+    )
     return canvas.finish()
 
 

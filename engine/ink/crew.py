@@ -37,6 +37,9 @@ crew.work(order)
 ONE_THREAD = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
 """Sums of several threads depend on their number; and processes share the processors already."""
 
+TICK = 0.2
+"""Between two looks of whoever waits. [s]"""
+
 Task = tuple[int, int, bool]
 """Realisation, band, and whether on the coarse grid."""
 
@@ -72,8 +75,10 @@ def work(order: dict) -> None:
         answers.flush()
 
 
-def run_tasks(order: dict, tasks: list[Task], processes: int) -> Iterator[tuple[Task, bytes]]:
-    """Let processes do tasks; closing the iterator ends them.
+def run_tasks(
+    order: dict, tasks: list[Task], processes: int
+) -> Iterator[tuple[Task, bytes] | None]:
+    """Let processes do tasks; closing the iterator ends them, in the midst of what they do.
 
     Parameters
     ----------
@@ -83,7 +88,7 @@ def run_tasks(order: dict, tasks: list[Task], processes: int) -> Iterator[tuple[
 
     Yields
     ------
-    (Task, bytes)    In the order in which they are done.
+    (Task, bytes)    In the order in which they are done; None where nothing was for `TICK` seconds.
 
     Raises
     ------
@@ -101,10 +106,16 @@ def run_tasks(order: dict, tasks: list[Task], processes: int) -> Iterator[tuple[
     try:
         for thread in threads:
             thread.start()
-        for _ in tasks:
-            task, result = done.get()
+        left = len(tasks)
+        while left:
+            try:
+                task, result = done.get(timeout=TICK)
+            except queue.Empty:
+                yield None
+                continue
             if isinstance(result, Exception):
                 raise result
+            left -= 1
             yield task, result
     finally:
         for hand in hands:

@@ -102,7 +102,7 @@ def solve_ensemble(
     Parameters
     ----------
     folder : Path or None    Where they are kept; None: `default_folder`.
-    report : callable    Told after each; what it raises ends the job, and what was solved stays.
+    report : callable    Told after each, and while they last; what it raises ends the job, and what was solved stays.
 
     Raises
     ------
@@ -115,20 +115,25 @@ def solve_ensemble(
     missing = [task for task in tasks if held[task] is None]
     start = time.monotonic()
     total, solved = len(tasks), 0
-    report(Progress(total - len(missing), total, 0.0, math.inf if missing else 0.0))
+
+    def tell() -> None:
+        rest, seconds = len(missing) - solved, time.monotonic() - start
+        pace = seconds / solved if solved else math.inf
+        report(Progress(total - rest, total, seconds, pace * rest if rest else 0.0))
+
+    tell()
     if missing:
         order = {"content": film_content(ink), "plan": asdict(plan)}
         running = run_tasks(order, missing, processes)
         try:
-            for task, data in running:
-                with write_whole(place / _name(task)) as file:
-                    file.write(data)
-                held[task] = _parse(data)
-                solved += 1
-                seconds = time.monotonic() - start
-                rest = len(missing) - solved
-                done = total - rest
-                report(Progress(done, total, seconds, seconds / solved * rest))
+            for result in running:
+                if result is not None:
+                    task, data = result
+                    with write_whole(place / _name(task)) as file:
+                        file.write(data)
+                    held[task] = _parse(data)
+                    solved += 1
+                tell()
         finally:
             running.close()
     units = {task[:2]: held[task] for task in tasks if not task[2]}

@@ -19,6 +19,9 @@ from .ensemble import Ensemble
 from .plan import Plan
 from .realisation import SIDES
 
+SAMPLES_PER_TERM = 2
+"""Orders that it takes at least."""
+
 DEGREES = (3, 2, 1, 0)
 """Largest sum of both cosines' degrees, by the mode of the azimuth."""
 
@@ -82,6 +85,20 @@ def _terms(is_even: bool) -> tuple[tuple[int, int, int], ...]:
     )
 
 
+@lru_cache
+def _known_terms(is_even: bool, samples: int, incidences: int) -> np.ndarray:
+    """Numbers of the terms that so many orders tell: in a narrow cell few, and a series of more would be anything between.
+
+    Samples are those of half the realisations, so that halves, by which errors are told, have the same terms.
+    """
+    terms = _terms(is_even)
+    for degree in range(DEGREES[0], -1, -1):
+        known = [n for n, (mode, j, k) in enumerate(terms) if mode + j + k <= degree]
+        if degree < incidences and samples >= SAMPLES_PER_TERM * len(known):
+            return np.array(known)
+    return np.array([0])
+
+
 def analyse(ink: Ink, plan: Plan, ensemble: Ensemble, realisations) -> Film:
     """Mean of some realisations."""
     bands, angles = len(plan.wavelengths), len(plan.sines)
@@ -120,8 +137,11 @@ def analyse(ink: Ink, plan: Plan, ensemble: Ensemble, realisations) -> Film:
             first, second, turn, values = (
                 np.concatenate(each) for each in zip(*samples[name], strict=True)
             )
-            terms = series(first, second, turn, name != "transmission" or is_symmetric)
-            kernels[name][band] = _fit(terms, values)
+            is_even = name != "transmission" or is_symmetric
+            terms = series(first, second, turn, is_even)
+            told = len(values) * plan.realisations // (2 * len(realisations))
+            known = _known_terms(is_even, told, angles)
+            kernels[name][band, known] = _fit(terms[:, known], values)
         if is_symmetric:
             kernels["reflection_below"][band] = kernels["reflection_above"][band]
         for side in sides:

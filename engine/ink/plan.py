@@ -33,7 +33,8 @@ NARROWEST, DIAMETERS = 2.0, 6.0
 
 REALISATIONS, INCIDENCES = 4, 5
 
-TOLERANCE = 1e-4
+TOLERANCE, DRAFT_TOLERANCE = 1e-4, 1e-3
+"""Residuals; a draft's is still far below what its few realisations differ by."""
 
 LOWEST, HIGHEST = 6.0, 77.0
 """First and last angle of incidence; the normal itself is the one that all modes of the cell share. [deg]"""
@@ -46,7 +47,7 @@ BASE_MEMORY = 60 << 20
 
 MOST_CELLS = 1 << 27
 
-FIELDS = RESTART + 11
+FIELDS = RESTART + 12
 """Complex numbers for each cell of the grid while waves are solved."""
 
 SPHERE_MEMORY = 3000
@@ -107,7 +108,7 @@ def make_plan(ink: Ink, *, draft: bool = False, realisations: int | None = None)
     if ink.relief:
         finest = min(finest, ink.relief.length / per_diameter)
     largest = max([*sizes, ink.relief.length if ink.relief else 0.0], default=0.0)
-    width = stated.cell or max(NARROWEST * (0.75 if draft else 1.0), DIAMETERS * largest)
+    width = stated.cell or max(NARROWEST, DIAMETERS * largest) * (0.75 if draft else 1.0)
     columns = _smooth(width / finest) if sizes or ink.relief else 2
     layers = 2 * math.ceil(0.5 * _height(ink) * FINER_DOWN / finest)
     count = stated.incidences or (4 if draft else INCIDENCES)
@@ -120,7 +121,7 @@ def make_plan(ink: Ink, *, draft: bool = False, realisations: int | None = None)
         wavelengths,
         tuple(np.sin(angles).tolist()),
         2 * math.ceil(0.5 * runs),
-        float(stated.tolerance or TOLERANCE),
+        float(stated.tolerance or (DRAFT_TOLERANCE if draft else TOLERANCE)),
         stated.seed,
     )
     cells = columns**2 * layers

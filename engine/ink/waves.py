@@ -26,12 +26,18 @@ from functools import cached_property
 import numpy as np
 
 from ..errors import SceneError
-from .krylov import solve_linear
+from .krylov import Found, solve_linear
 
 RESTART = 30
 """Directions that the iteration keeps before it starts anew."""
 
+PLAIN_ITERATIONS = 60
+"""Iterations after which waves that run along the layer are held to be the cause, and damped."""
+
 MOST_ITERATIONS = 600
+
+DAMPING = 0.2
+"""Absorption by which they are damped, over the largest departure of the permittivity."""
 
 GRAZING = 1e-6
 """Least |gamma| relative to k0: a mode that runs exactly along the layer has no amplitude of its own."""
@@ -71,7 +77,9 @@ class Scattered:
     ----------
     up, down : (y, x) complex128 arrays    Amplitudes of the modes that go out above and below.
     reflected, transmitted : (y, x) float64 arrays    Shares of the power, 0 of modes that do not carry any. [-]
-    absorbed : float    Share of the power, by the field in the layer. [-]
+    absorbed : float
+        Share of the power by the field in the layer, the mean over each cell; with a real eps_b it makes the sum 1, but for
+        the residual. [-]
     iterations : int
     """
 
@@ -99,6 +107,7 @@ class Waves:
         self.k0 = 2.0 * np.pi / wavelength
         layers, rows, columns = cell.permittivity.shape
         self._step = step = cell.thickness / layers
+        self._tangential = tangential
         self._background = complex(cell.permittivity.mean() if background is None else background)
         self._strength = self.k0**2 * (cell.permittivity - self._background)
         along = 2.0 * np.pi * np.fft.fftfreq(columns, cell.width / columns) + tangential[0]
@@ -140,13 +149,9 @@ class Waves:
         SceneError    The iteration does not get there.
         """
         start, up, down = self._undisturbed(order)
-        found = solve_linear(
-            lambda field: field - self.spread(self._strength * field),
-            start,
-            tolerance,
-            RESTART,
-            MOST_ITERATIONS,
-        )
+        found = solve_linear(self._disturb, start, tolerance, RESTART, PLAIN_ITERATIONS)
+        if found.residual > tolerance:
+            found = self._solve_damped(start, tolerance, found.iterations)
         if found.residual > tolerance:
             raise SceneError(
                 f"waves of {2000.0 * np.pi / self.k0:.0f} nm do not settle in the layer: residual "
@@ -164,6 +169,33 @@ class Waves:
         loss = (self.cell.permittivity.imag * np.abs(found.answer) ** 2).mean()
         absorbed = self.k0**2 * self.cell.thickness * float(loss) / come
         return Scattered(*sent, *shares, absorbed, found.iterations)
+
+    def _disturb(self, field: np.ndarray) -> np.ndarray:
+        """What is left of a field without what it sends out itself, u - G V u."""
+        return field - self.spread(self._strength * field)
+
+    def _solve_damped(self, start: np.ndarray, tolerance: float, used: int) -> Found:
+        """Solve the same equations where waves run along the layer for long, and sums of what they send out do not settle.
+
+        A layer that absorbs, eps_b + i d, has waves that die, of which the function G' is: that of G (1 - c G)^-1 with
+        c = i d k0^2. So 1 + c G' nearly undoes 1 - c G, and (1 - G V) (1 + c G') w = u0 has no long waves to sum up. The
+        residual and, with u = (1 + c G') w, the answer are those of 1 - G V: energy is kept as before.
+        """
+        strength = 1j * DAMPING * float(np.abs(self._strength).max())
+        damped = Waves(
+            self.cell,
+            2.0 * np.pi / self.k0,
+            self._tangential,
+            self._background + strength / self.k0**2,
+        )
+
+        def damp(field):
+            return field + strength * damped.spread(field)
+
+        found = solve_linear(
+            lambda field: self._disturb(damp(field)), start, tolerance, RESTART, MOST_ITERATIONS
+        )
+        return Found(damp(found.answer), used + found.iterations, found.residual)
 
     def spread(self, source: np.ndarray) -> np.ndarray:
         """Field that a source in the layer makes, G. (z, y, x) -> (z, y, x)"""

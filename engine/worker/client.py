@@ -17,6 +17,7 @@ from ..analysis.explanation import Explanation
 from ..baking.mixed_maps import MixedMap
 from ..daylight.coefficients import DaylightCoefficients, DaylightOrder
 from ..errors import EngineLost
+from ..ink.surface import PrintedSurface
 from ..light_mix import LightMix
 from ..measurements import Measurement
 from ..paint.surface import PaintedSurface
@@ -221,6 +222,17 @@ class RemoteSession:
     ) -> PaintedSurface:
         """What a paint scatters, as `Session.compute_paint`. Raises as `render`."""
         return self._wait("compute_paint", (description,), {}, _states_only(progress), None)
+
+    def compute_ink(
+        self,
+        description: str,
+        draft: bool = False,
+        processes: int = 1,
+        progress: Callable[[Progress], None] | None = None,
+    ) -> PrintedSurface:
+        """What a pigment layer scatters, as `Session.compute_ink`. Raises as `render`."""
+        options = {"draft": draft, "processes": processes}
+        return self._wait("compute_ink", (description,), options, _states_only(progress), None)
 
     def watch(self, camera: Camera, settings: LiveSettings, display: Display) -> None:
         """Start or change the live view.

@@ -18,6 +18,7 @@ from ..analysis import explanation
 from ..baking import lumel_sheet, mixed_maps, order
 from ..daylight import coefficients
 from ..errors import CodecError, LumenrayError
+from ..ink import surface as print_surface
 from ..paint import surface
 from ..requirements import decision, plan
 from ..scene import (
@@ -61,7 +62,7 @@ DTYPES = {
 _MODULES = (
     camera, distribution, film, light, light_groups, material, mesh, modelling, provenance, ray_emission, relief, scattering,
     scene, sensor, spectrum, texture, light_mix, measurements, views, extremes, history, stopping, order, backend,
-    coefficients, lumel_sheet, mixed_maps, decision, plan, explanation, surface,
+    coefficients, lumel_sheet, mixed_maps, decision, plan, explanation, surface, print_surface,
 )  # fmt: skip
 
 

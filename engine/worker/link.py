@@ -42,8 +42,9 @@ JOB_NAMES = {
     "find_daylight": "daylight of the year",
     "find_lumels": "layout of maps",
     "bake_objects": "bake",
+    "compute_ink": "computation of a pigment layer",
 }
-"""What people call the jobs."""
+"""What people call the jobs, all of them: others wait for any."""
 
 
 @dataclass(eq=False)

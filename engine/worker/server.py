@@ -27,6 +27,7 @@ JOBS = {
     "write_spectral": 1,
     "mix_maps": 1,
     "compute_paint": 1,
+    "compute_ink": 3,
     "measure": 2,
     "measure_sensors": 2,
     "find_daylight": 3,

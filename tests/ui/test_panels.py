@@ -9,7 +9,7 @@ from panels import context, draw, labels_of, new_light
 
 from lumenray import operators, ui
 from lumenray.blender_addon.surface_models import MODELS
-from lumenray.ui import bake, compatibility, luminaire, paint, rayset, scattering
+from lumenray.ui import bake, compatibility, ink, luminaire, paint, rayset, scattering
 
 
 def all_panels():
@@ -39,6 +39,7 @@ def test_every_panel_of_the_properties_editor_is_only_there_for_our_engine():
                 | rayset.RaysetChild
                 | scattering.MeasuredPanel
                 | paint.PaintPanel
+                | ink.InkPanel
             )
             if issubclass(kind, files | bake.LUMENRAY_PT_luminaire_group):
                 continue
@@ -123,6 +124,7 @@ def test_saved_files_keep_their_models():
         "MEASURED",
         "FABRIC",
         "PAINT",
+        "INK",
     )
     assert {item.identifier: item.value for item in items} == {
         name: number for number, name in enumerate(names)

@@ -24,10 +24,11 @@ from ....engine.scene.material import (
 from ....engine.scene.spectrum import Constant, Rgb, Spectrum
 from ....imports import loaded_when_used
 from ...foundation.report import ConversionReport
+from ...inks.convert import convert_ink
 from ...paints.convert import convert_paint
 from ...scattering.convert import convert_measured
 from ...scattering.files import MEASURED
-from ...surface_models import PAINT
+from ...surface_models import INK, PAINT
 from ..spectra import convert_spectrum, read_file
 
 with loaded_when_used():
@@ -37,7 +38,7 @@ HELIUM_D = 587.56
 """Wavelength at which a dispersive index is taken where only one number fits. [nm]"""
 
 MISSING_REFLECTANCE = 0.5
-"""Diffuse reflectance in place of a scattering file or a paint that cannot be used. [-]"""
+"""Diffuse reflectance in place of a scattering file, a paint or a print that cannot be used. [-]"""
 
 
 @dataclass(frozen=True)
@@ -153,6 +154,14 @@ def _paint(stated: Statement) -> Surface:
     return Diffuse(Constant(MISSING_REFLECTANCE)) if surface is None else surface
 
 
+def _ink(stated: Statement) -> Surface:
+    remedy = f"diffuse grey {MISSING_REFLECTANCE} is used"
+    surface = convert_ink(
+        stated.settings.ink, stated.report, stated.datablock, remedy, stated.is_patient
+    )
+    return Diffuse(Constant(MISSING_REFLECTANCE)) if surface is None else surface
+
+
 def _black(_stated: Statement) -> Black:
     return Black()
 
@@ -202,6 +211,7 @@ MAKERS = {
     MEASURED: _measured,
     "FABRIC": _fabric,
     PAINT: _paint,
+    INK: _ink,
 }
 """From a `Statement` to the `Surface`, by the names of `surface_models.MODELS`."""
 

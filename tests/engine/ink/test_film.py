@@ -7,6 +7,7 @@ import pytest
 
 from lumenray.engine.errors import FileFormatError, SceneError
 from lumenray.engine.ink.composition import Ink
+from lumenray.engine.ink.computed import compute
 from lumenray.engine.ink.ensemble import Ensemble, film_content, key_of, solve_ensemble
 from lumenray.engine.ink.film import analyse
 from lumenray.engine.ink.films import film_shares
@@ -34,7 +35,7 @@ def _small(ink, **changes):
 def scattering():
     """A lossless layer of large grains, on white paper."""
     ink = make_ink(0.3, 0.3, 1.7, reflectance=1.0, spread=0.1)
-    plan = _small(ink, width=1.5, columns=20, layers=16)
+    plan = _small(ink, width=1.5, columns=20, layers=16, tolerance=1e-4)
     return _solve(ink, plan)
 
 
@@ -209,3 +210,11 @@ def test_memory_is_bounded_before_anything_is_solved():
 def test_what_a_description_has_wrong_is_said(change, words):
     with pytest.raises(FileFormatError, match=words):
         make_ink(**change)
+
+
+def test_a_narrow_cell_that_has_few_orders_makes_no_wild_reflectances(tmp_path):
+    """Of so few orders a series of 20 terms is anything between them; a black layer on white paper is dark at all bands."""
+    solution = {"cell_um": 0.6, "band_step_nm": 80, "incidences": 2, "realisations": 2}
+    ink = make_ink(0.3, 0.25, 1.8, 0.6, solution=solution | {"tolerance": 0.01})
+    readings = compute(ink, make_plan(ink, draft=True), tmp_path).readings
+    assert readings.max() < 0.1

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from lumenray.engine.ink import waves as waves_module
 from lumenray.engine.ink.films import film_shares
 from lumenray.engine.ink.packing import Packing
 from lumenray.engine.ink.particles import Population
@@ -54,6 +55,19 @@ def test_energy_is_kept_to_1e_8_with_and_without_absorption():
         total = out.reflected.sum() + out.transmitted.sum() + out.absorbed
         assert total == pytest.approx(1.0, abs=1e-8)
         assert (out.absorbed > 0.1) == (index != 1.4)
+
+
+def test_damped_iterations_solve_the_same_equations(monkeypatch):
+    """What is damped is the search, not the waves: light and energy are those of the plain iteration."""
+    waves = Waves(
+        Cell(random_grid(layers=8, columns=12), 1.0, 0.5), WAVELENGTH, (1.0, 2.0), BINDER**2
+    )
+    plain = waves.scatter(tolerance=1e-10)
+    monkeypatch.setattr(waves_module, "PLAIN_ITERATIONS", 2)
+    damped = waves.scatter(tolerance=1e-10)
+    assert damped.iterations != plain.iterations
+    np.testing.assert_allclose(damped.up, plain.up, atol=1e-8)
+    assert damped.reflected.sum() + damped.transmitted.sum() == pytest.approx(1.0, abs=1e-8)
 
 
 def test_both_ways_scatter_alike_to_1e_10():

@@ -1,5 +1,6 @@
 """The engine in a process of its own: order, urgency, cancels, and the same numbers as in this process."""
 
+import json
 import threading
 import time
 
@@ -30,8 +31,12 @@ from lumenray.engine.requirements.decision import Asked
 from lumenray.engine.scene.modelling import Modelling, Switch
 from lumenray.engine.scene.scene import SceneDelta
 from lumenray.engine.scene.sensor import SensorSet
+from lumenray.engine.session import Session
 from lumenray.engine.views import Display, ViewSettings
 from lumenray.engine.worker.client import Worker
+from lumenray.engine.worker.link import JOB_NAMES
+from lumenray.engine.worker.server import JOBS
+from lumenray.tests.helpers.inks import make_ink
 
 
 @pytest.fixture(scope="module")
@@ -53,6 +58,25 @@ def test_decisions_come_from_a_worker_as_from_the_session(engine):
     assert switches["colours"] is Switch.OFF
     assert told.plan.allowed == 0.2 * 0.01
     far.close()
+
+
+def test_every_job_has_a_name_for_those_who_wait_for_it():
+    assert JOB_NAMES.keys() == JOBS.keys()
+
+
+@pytest.mark.slow
+def test_a_pigment_layer_comes_from_a_worker_as_from_the_session(engine, tmp_path, monkeypatch):
+    content = make_ink(0.3, absorption=0.1, solution={"band_step_nm": 80, "incidences": 2}).content
+    monkeypatch.setenv("LUMENRAY_INK_CACHE", str(tmp_path))
+    near = Session().compute_ink(json.dumps(content), draft=True)
+    far, told = engine.session("print"), []
+    made = far.compute_ink(json.dumps(content), draft=True, progress=told.append)
+    far.close()
+    assert (made.key, made.notes, made.realisations) == (near.key, near.notes, near.realisations)
+    np.testing.assert_array_equal(made.readings, near.readings)
+    there, here = (each.surface.front_reflection.values for each in (made, near))
+    np.testing.assert_array_equal(there, here)
+    assert any(each.stage == "pigment layer" for each in told)
 
 
 def order(steps=20, transport="auto"):

@@ -28,9 +28,7 @@ from lumenray.engine.scene.scene import SceneDelta
 from lumenray.engine.scene.sensor import SensorSet
 from lumenray.engine.worker import faults
 from lumenray.engine.worker.client import Worker
-from lumenray.engine.worker.link import JOB_NAMES
 from lumenray.engine.worker.process import Process
-from lumenray.engine.worker.server import JOBS
 
 
 def test_a_worker_starts_fast_and_ends_without_a_trace():
@@ -165,8 +163,3 @@ def test_the_end_of_a_process_is_put_into_words(code, log, text):
     told = faults.describe_end(code, log)
     assert re.search(text, told)
     assert told.endswith("start again: the scene is sent anew, nothing is lost")
-
-
-def test_every_job_has_a_name_for_people():
-    # A job that fails, or that others wait for, is told by it.
-    assert set(JOB_NAMES) == set(JOBS)

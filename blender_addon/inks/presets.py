@@ -1,0 +1,44 @@
+"""Presets of pigment layers: the files of compositions that ship."""
+
+from pathlib import Path
+
+from ...engine.ink.reader import read_ink
+from ...libraries import inks
+from .description import adopt
+from .tables import is_ink
+
+FIRST = "cyan_fine"
+"""Preset that a new layer begins with."""
+
+
+def shipped() -> dict[str, Path]:
+    """Return the files of presets, by their names."""
+    return inks.presets()
+
+
+def title_of(name: str) -> str:
+    """Return the name of a preset for people."""
+    return name.replace("_", " ").capitalize()
+
+
+def load(settings, path) -> None:
+    """Let settings state the layer of a file.
+
+    Raises
+    ------
+    FileFormatError    It cannot be read.
+    """
+    content = dict(read_ink(path).content)
+    substrate = content["substrate"]
+    if "table" in substrate:
+        # Settings have no place of their own that the file could lie beside.
+        table = str((Path(path).parent / substrate["table"]).resolve())
+        content["substrate"] = substrate | {"table": table}
+    adopt(settings, content)
+
+
+def begin(material) -> None:
+    """Give a material that has become a pigment layer a preset to begin with."""
+    settings = material.lumenray.ink
+    if is_ink(material) and not settings.content and not settings.pigments:
+        load(settings, shipped()[FIRST])
