@@ -77,8 +77,8 @@ def _woven(row) -> str:
         f"transmittance {100.0 * sheet['transmittance']:.2f} %, reflectance {100.0 * sheet['reflectance']:.2f} %.\n\n"
         + make_table("| light | hue | saturation | both ways differ |", lines, 1)
         + "\nHue and saturation of light along the normal under D65; the reference states 0.97 to 0.99 and 0.99 (its RGB is "
-        "not told; gloss, which has the colour of the light, may take saturation here). The preset's dye was chosen by the hue "
-        "of what is reflected, so this hue is met by construction; that of what passes follows. Both ways "
+        "not told; gloss, which has the colour of the light, may take saturation here). The preset's dye was chosen by the "
+        "hue of what is reflected, so this hue is met by construction; that of what passes follows. Both ways "
         "of light between random directions differ by the noise of the tables and what is left of bends.\n\n"
         f"A close-up of one repeat, lit from a round window 60 degrees wide at 45 degrees and seen along the normal by rays "
         f"from the eye, has {row['close_up']:.4f} of a white surface's luminance in the mean "
