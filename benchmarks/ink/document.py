@@ -43,8 +43,8 @@ def describe(result: dict, bars) -> str:
         chapters.append(
             "## Processes\n\n"
             f"The same job takes {used['one']:.1f} processor seconds with one process, {used['two']:.1f} in two together, "
-            f"and {used['twice']:.1f} with one and twice the realisations; units are shared as they go, so two "
-            f"idle processors are {timed['gain']:.2f} times as fast as one. By the clock, beside other work: {clock}.\n"
+            f"and {used['twice']:.1f} with one and twice the realisations. By the clock, in turns, their start included: "
+            f"{clock}; two are {timed['gain']:.2f} times as fast as one (median).\n"
         )
     return "\n".join(chapters)
 
