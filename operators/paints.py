@@ -1,8 +1,5 @@
 """Composition of the active material's paint: presets, layers and their parts, files, and a plot."""
 
-import json
-from pathlib import Path
-
 import bpy
 from bpy.props import EnumProperty, IntProperty, StringProperty
 
@@ -10,101 +7,43 @@ from ..blender_addon.scattering.settings import active_material
 from ..blender_addon.surface_models import PAINT
 from ..engine.errors import LumenrayError
 from ..imports import loaded_when_used
-from .file_operators import LoadFile
+from .compositions import CompositionOperator, LoadComposition, SaveComposition
 
 with loaded_when_used():
     from ..blender_addon.file_assets import kind as file_kind
     from ..blender_addon.paints import description, parts, plot, presets, tables
-    from ..engine.reading import whole_file
-
-FILTER = "*.json"
-"""Names that the file browser shows."""
 
 
-class PaintOperator:
-    """Operator on the paint of the active material."""
+class Paint:
+    """The composition of a paint."""
 
-    bl_options = {"REGISTER", "UNDO"}
+    model, group, unnamed = PAINT, "paint", "paint"
 
-    @classmethod
-    def poll(cls, context):
-        material = active_material(context)
-        if material is None:
-            cls.poll_message_set("Select an object with a material")
-            return False
-        if material.library is not None:
-            cls.poll_message_set(
-                "The material is linked from another file, where it can be changed"
-            )
-            return False
-        if not tables.is_paint(material):
-            cls.poll_message_set("The material's model is not Paint")
-            return False
-        return True
-
-    def execute(self, context):
-        material = active_material(context)
-        try:
-            words = self.work(context, material.lumenray.paint)
-        except LumenrayError as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        material.update_tag()
-        if words:
-            self.report({"INFO"}, words)
-        return {"FINISHED"}
+    @staticmethod
+    def describe(settings) -> dict:
+        """Return what settings state, as a file has it."""
+        return description.describe(settings)
 
 
-class LUMENRAY_OT_load_paint(LoadFile, bpy.types.Operator):
+class LUMENRAY_OT_load_paint(Paint, LoadComposition, bpy.types.Operator):
     """Let the active material be a paint as a file describes it, by Lumenray's schema of compositions"""
 
     bl_idname = "lumenray.load_paint"
     bl_label = "Open Composition"
-    nobody = "Select an object with a material"
-    elsewhere = "The material is linked from another file, where it can be changed"
 
-    filter_glob: StringProperty(default=FILTER, options={"HIDDEN"})
-
-    @staticmethod
-    def find(context):
-        material = active_material(context)
-        return None if material is None else material.lumenray.paint
-
-    def work(self, context, settings):
-        presets.load(settings, bpy.path.abspath(self.filepath), parts.known())
-        owner = settings.id_data.lumenray
-        owner.model, owner.use_override = PAINT, True
-        return {"INFO"}, f"{settings.name or Path(self.filepath).stem} is taken over"
+    def load(self, settings, path):
+        """Take over what a file states."""
+        presets.load(settings, path, parts.known())
 
 
-class LUMENRAY_OT_save_paint(PaintOperator, bpy.types.Operator):
+class LUMENRAY_OT_save_paint(Paint, SaveComposition, bpy.types.Operator):
     """Write the composition of the paint as a JSON file, which other scenes and the command 'lumenray paint' read"""
 
     bl_idname = "lumenray.save_paint"
     bl_label = "Save Composition"
 
-    filepath: StringProperty(
-        description="Path of the file", subtype="FILE_PATH", options={"SKIP_SAVE"}
-    )
-    filter_glob: StringProperty(default=FILTER, options={"HIDDEN"})
-    check_existing: bpy.props.BoolProperty(default=True, options={"HIDDEN"})
 
-    def invoke(self, context, event):
-        if self.filepath:
-            return self.execute(context)
-        name = active_material(context).lumenray.paint.name or "paint"
-        self.filepath = bpy.path.clean_name(name).lower() + ".json"
-        context.window_manager.fileselect_add(self)
-        return {"RUNNING_MODAL"}
-
-    def work(self, context, settings):
-        """Write it."""
-        path = Path(bpy.path.abspath(bpy.path.ensure_ext(self.filepath, ".json")))
-        _write(path, settings)
-        return f"{path.name} is written"
-
-
-class LUMENRAY_OT_set_paint_preset(PaintOperator, bpy.types.Operator):
+class LUMENRAY_OT_set_paint_preset(Paint, CompositionOperator, bpy.types.Operator):
     """Take over the composition of a preset; what was set before is gone but for undoing"""
 
     bl_idname = "lumenray.set_paint_preset"
@@ -120,7 +59,7 @@ class LUMENRAY_OT_set_paint_preset(PaintOperator, bpy.types.Operator):
         presets.load(settings, path)
 
 
-class LUMENRAY_OT_add_paint_preset(PaintOperator, bpy.types.Operator):
+class LUMENRAY_OT_add_paint_preset(Paint, CompositionOperator, bpy.types.Operator):
     """Keep the composition as a preset of yours"""
 
     bl_idname = "lumenray.add_paint_preset"
@@ -137,11 +76,11 @@ class LUMENRAY_OT_add_paint_preset(PaintOperator, bpy.types.Operator):
         name = bpy.path.clean_name(self.name).strip("_").lower()
         if not name:
             raise LumenrayError("a preset needs a name")
-        _write(presets.own_folder() / f"{name}.json", settings)
+        self.write(presets.own_folder() / f"{name}.json", settings)
         return f"'{presets.title_of(name)}' is among the presets"
 
 
-class LUMENRAY_OT_add_paint_layer(PaintOperator, bpy.types.Operator):
+class LUMENRAY_OT_add_paint_layer(Paint, CompositionOperator, bpy.types.Operator):
     """Add a layer of clear binder above the active one"""
 
     bl_idname = "lumenray.add_paint_layer"
@@ -154,7 +93,7 @@ class LUMENRAY_OT_add_paint_layer(PaintOperator, bpy.types.Operator):
         settings.layers.move(len(settings.layers) - 1, settings.layer_index)
 
 
-class LUMENRAY_OT_remove_paint_layer(PaintOperator, bpy.types.Operator):
+class LUMENRAY_OT_remove_paint_layer(Paint, CompositionOperator, bpy.types.Operator):
     """Remove the active layer of the paint with its flakes and pigments"""
 
     bl_idname = "lumenray.remove_paint_layer"
@@ -172,7 +111,7 @@ class LUMENRAY_OT_remove_paint_layer(PaintOperator, bpy.types.Operator):
         settings.layer_index = min(settings.layer_index, len(settings.layers) - 1)
 
 
-class LUMENRAY_OT_move_paint_layer(PaintOperator, bpy.types.Operator):
+class LUMENRAY_OT_move_paint_layer(Paint, CompositionOperator, bpy.types.Operator):
     """Move the active layer outwards or inwards"""
 
     bl_idname = "lumenray.move_paint_layer"
@@ -192,7 +131,7 @@ class LUMENRAY_OT_move_paint_layer(PaintOperator, bpy.types.Operator):
             settings.layer_index = place
 
 
-class LUMENRAY_OT_add_paint_part(PaintOperator, bpy.types.Operator):
+class LUMENRAY_OT_add_paint_part(Paint, CompositionOperator, bpy.types.Operator):
     """Add flakes or a pigment to the active layer"""
 
     bl_idname = "lumenray.add_paint_part"
@@ -212,7 +151,7 @@ class LUMENRAY_OT_add_paint_part(PaintOperator, bpy.types.Operator):
         description.adopt_part(getattr(layer, self.kind).add(), self.kind, content)
 
 
-class LUMENRAY_OT_remove_paint_part(PaintOperator, bpy.types.Operator):
+class LUMENRAY_OT_remove_paint_part(Paint, CompositionOperator, bpy.types.Operator):
     """Remove flakes or a pigment from the active layer"""
 
     bl_idname = "lumenray.remove_paint_part"
@@ -230,7 +169,7 @@ class LUMENRAY_OT_remove_paint_part(PaintOperator, bpy.types.Operator):
         getattr(settings.layers[settings.layer_index], self.kind).remove(self.index)
 
 
-class LUMENRAY_OT_plot_paint(PaintOperator, bpy.types.Operator):
+class LUMENRAY_OT_plot_paint(Paint, CompositionOperator, bpy.types.Operator):
     """Draw what the paint scatters in the plane of incidence, as an image of the file"""
 
     bl_idname = "lumenray.plot_paint"
@@ -244,13 +183,6 @@ class LUMENRAY_OT_plot_paint(PaintOperator, bpy.types.Operator):
             raise LumenrayError(f"{error}; plot it then") from None
         image = plot.show_cuts(context, settings.name or settings.id_data.name, painted)
         return f"image '{image.name}'"
-
-
-def _write(path: Path, settings) -> None:
-    with whole_file.write_whole(path, "utf-8") as stream:
-        stream.write(
-            json.dumps(description.describe(settings), indent=2, ensure_ascii=False) + "\n"
-        )
 
 
 CLASSES = (

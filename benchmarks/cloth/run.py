@@ -12,13 +12,13 @@ from ...engine.cloth.reader import read_cloth
 from ...engine.cloth.readings import hue_saturation_value, read_sheet, visible_weights
 from ...engine.cloth.thread_walk import ThreadOptics, walk_inside
 from ...engine.cloth.woven import weave
-from ...engine.errors import LumenrayError
 from ...engine.reading.whole_file import write_whole
 from ...engine.scattering.data.evaluation import measure_reciprocity, totals
 from ...libraries import cloths
 from ..common.bars import Bar
 from ..common.machine import describe_machine
 from ..common.output import read_numbers, write_numbers
+from ..common.parts import measure_parts
 from . import numpy_walk, values
 from .document import describe
 
@@ -74,21 +74,13 @@ def run(parts=None, say=lambda text: None, earlier: dict | None = None) -> dict:
     ------
     LumenrayError    There is no such part.
     """
-    unknown = [name for name in parts or () if name not in PARTS]
-    if unknown:
-        raise LumenrayError(
-            f"there is no part {', '.join(unknown)}; choose from {', '.join(PARTS)}"
-        )
     measures = {
         "reference": _measure_reference,
         "photons": _measure_photons,
         "woven": _measure_woven,
     }
-    kept = {} if earlier is None else earlier["parts"]
-    wanted = parts or [name for name in PARTS if name not in kept]
-    made = {name: measure(say) for name, measure in measures.items() if name in wanted}
-    together = {**kept, **made}
-    reference, photons, woven = (together.get(name) for name in PARTS)
+    made = measure_parts(measures, parts, earlier, say)
+    reference, photons, woven = (made.get(name) for name in PARTS)
     return {
         "reference_failed": None
         if reference is None
@@ -97,7 +89,7 @@ def run(parts=None, say=lambda text: None, earlier: dict | None = None) -> dict:
         "woven_seconds": woven and woven["seconds"],
         "close_up_percent": woven and woven["close_up_percent"],
         "machine": describe_machine(),
-        "parts": together,
+        "parts": made,
     }
 
 

@@ -3,12 +3,12 @@
 import tempfile
 from pathlib import Path
 
-from ...engine.errors import LumenrayError
 from ...engine.reading.whole_file import write_whole
 from ...engine.sky.weather import Weather
 from ...engine.sky.weather_file import read_weather
 from ..common.machine import OtherLoad, describe_machine
 from ..common.output import read_numbers, write_numbers
+from ..common.parts import choose_parts
 from .document import check_bars, describe
 from .ours import Lumenray, YearEngine
 from .room import make_room
@@ -54,14 +54,9 @@ def run(
     ------
     LumenrayError    There is no such part, the weather cannot be read, or Radiance is needed and not installed.
     """
-    unknown = [name for name in parts or () if name not in PARTS]
-    if unknown:
-        raise LumenrayError(
-            f"there is no part {', '.join(unknown)}; choose from {', '.join(PARTS)}"
-        )
     result = {"parts": {}, "other_load": {}, "unfinished": {}, **(earlier or {})}
     result |= {"machine": describe_machine(), "weather": weather.name if weather else "made up"}
-    wanted = parts or [name for name in PARTS if name not in result["parts"]]
+    wanted = choose_parts(parts, PARTS, result["parts"])
     engine = engine or Lumenray()
     with tempfile.TemporaryDirectory() as folder:
         given = read_weather(weather) if weather else None

@@ -2,10 +2,10 @@
 
 from pathlib import Path
 
-from ...engine.errors import LumenrayError
 from ...engine.reading.whole_file import write_whole
 from ..common.machine import describe_machine
 from ..common.output import read_numbers, write_numbers
+from ..common.parts import choose_parts
 from .document import check_bars, describe
 from .files import describe_maps, try_files
 from .noise import measure_noise
@@ -39,11 +39,6 @@ def run(
     ------
     LumenrayError    There is no such part.
     """
-    unknown = [name for name in parts or () if name not in PARTS]
-    if unknown:
-        raise LumenrayError(
-            f"there is no part {', '.join(unknown)}; choose from {', '.join(PARTS)}"
-        )
     measures = {
         "maps": measure_maps,
         "shadow": measure_shadow,
@@ -53,7 +48,7 @@ def run(
         "files": try_files,
     }
     kept = {} if earlier is None else earlier["parts"]
-    wanted = parts or [name for name in PARTS if name not in kept]
+    wanted = choose_parts(parts, PARTS, kept)
     made = {name: measure(say) for name, measure in measures.items() if name in wanted}
     if folder is not None and "collection" in wanted:
         made["collection"] = describe_maps(folder, say)

@@ -4,11 +4,11 @@ from pathlib import Path
 
 import numpy as np
 
-from ...engine.errors import LumenrayError
 from ...engine.reading.whole_file import write_whole
 from ..common.bars import Bar
 from ..common.machine import describe_machine
 from ..common.output import read_numbers, write_numbers
+from ..common.parts import measure_parts
 from . import series, trend, values
 from .document import describe, draw_series, draw_trend
 
@@ -48,11 +48,6 @@ def run(parts=None, say=lambda text: None, earlier: dict | None = None) -> dict:
     ------
     LumenrayError    There is no such part.
     """
-    unknown = [name for name in parts or () if name not in PARTS]
-    if unknown:
-        raise LumenrayError(
-            f"there is no part {', '.join(unknown)}; choose from {', '.join(PARTS)}"
-        )
     measures = {
         "reference": _measure_reference,
         "dense": lambda tell: judge(values.find_dense(tell), is_dense=True),
@@ -60,10 +55,8 @@ def run(parts=None, say=lambda text: None, earlier: dict | None = None) -> dict:
         "series": series.measure_series,
         "processes": trend.measure_processes,
     }
-    kept = {} if earlier is None else earlier["parts"]
-    wanted = parts or [name for name in PARTS if name not in kept]
-    made = {name: measure(say) for name, measure in measures.items() if name in wanted}
-    return _sum_up({"machine": describe_machine(), "parts": {**kept, **made}})
+    made = measure_parts(measures, parts, earlier, say)
+    return _sum_up({"machine": describe_machine(), "parts": made})
 
 
 def judge(found: dict, is_dense: bool) -> list[dict]:
