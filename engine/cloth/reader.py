@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from ...libraries import cloths
-from ...libraries.plain_files import UnreadableError, read_object
 from ..errors import FileFormatError
 from ..paint.composition import Curve, Diameters
+from ..reading.content import read_json
 from ..reading.json_schema import SchemaError, check_value
 from .composition import Cloth, Pile, Scatterers, Weave, Yarn
 from .weave import MOST_YARNS, plain, satin_pattern, twill_pattern
@@ -35,11 +35,7 @@ def read_cloth(path) -> Cloth:
     ------
     FileFormatError    It cannot be read, or says what cannot be; the text says where.
     """
-    try:
-        content = read_object(path, LARGEST_FILE)
-    except UnreadableError as error:
-        raise FileFormatError(path, str(error)) from None
-    return parse_cloth(content, path)
+    return parse_cloth(read_json(path, LARGEST_FILE), path)
 
 
 def parse_cloth(content: dict, path="cloth") -> Cloth:

@@ -5,9 +5,9 @@ from functools import lru_cache
 from pathlib import Path
 
 from ...libraries import inks
-from ...libraries.plain_files import UnreadableError, read_object
 from ..errors import FileFormatError
 from ..paint.reader import Quantities, known_constituents
+from ..reading.content import read_json
 from ..reading.json_schema import SchemaError, check_value
 from ..scene.scattering import ScatterTable
 from .composition import Ink, Pigment, Relief, Solving
@@ -31,11 +31,7 @@ def read_ink(path) -> Ink:
     ------
     FileFormatError    It cannot be read, or says what cannot be; the text says where.
     """
-    try:
-        content = read_object(path, LARGEST_FILE)
-    except UnreadableError as error:
-        raise FileFormatError(path, str(error)) from None
-    return parse_ink(content, path)
+    return parse_ink(read_json(path, LARGEST_FILE), path)
 
 
 def parse_ink(content: dict, path="ink") -> Ink:

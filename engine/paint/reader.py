@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 
 from ...libraries import paints
-from ...libraries.plain_files import UnreadableError, read_object
 from ..errors import FileFormatError
+from ..reading.content import read_json
 from ..reading.json_schema import SchemaError, check_value
 from ..scene.scattering import ScatterTable
 from .composition import (
@@ -70,7 +70,7 @@ def read_paint(path, constituents: dict | None = None) -> Paint:
     ------
     FileFormatError    It cannot be read, or says what cannot be; the text says where.
     """
-    return parse_paint(_read(path), constituents, path)
+    return parse_paint(read_json(path, LARGEST_FILE), constituents, path)
 
 
 def parse_paint(content: dict, constituents: dict | None = None, path="paint") -> Paint:
@@ -162,19 +162,12 @@ def _with_indices(value, indices: dict):
 
 
 def _read_constituents(path) -> dict[str, dict]:
-    content = _read(path)
+    content = read_json(path, LARGEST_FILE)
     try:
         check_value(content, schema() | schema()["$defs"]["constituents"])
     except SchemaError as error:
         raise FileFormatError(path, str(error)) from None
     return {kind: content.get(kind, {}) for kind in _KINDS}
-
-
-def _read(path) -> dict:
-    try:
-        return read_object(path, LARGEST_FILE)
-    except UnreadableError as error:
-        raise FileFormatError(path, str(error)) from None
 
 
 def _filled(content: dict, parts: dict) -> dict:

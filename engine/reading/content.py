@@ -6,10 +6,16 @@ Every reader of a file that others wrote opens it here; how, `libraries.plain_fi
 from pathlib import Path
 from typing import BinaryIO
 
-from ...libraries.plain_files import UnreadableError, open_plain, read_plain, size_of
+from ...libraries.plain_files import (
+    UnreadableError,
+    open_plain,
+    read_object,
+    read_plain,
+    size_of,
+)
 from ..errors import FileFormatError
 
-__all__ = ["MAXIMUM_SIZE", "holds", "open_file", "read_bytes", "size_of"]
+__all__ = ["MAXIMUM_SIZE", "holds", "open_file", "read_bytes", "read_json", "size_of"]
 
 MAXIMUM_SIZE = 64 << 20
 """Largest file that is read in one piece, where a reader does not say otherwise. [byte]"""
@@ -37,6 +43,19 @@ def read_bytes(path, most: int = MAXIMUM_SIZE) -> bytes:
     """
     try:
         return read_plain(path, most)
+    except UnreadableError as error:
+        raise FileFormatError(path, str(error)) from None
+
+
+def read_json(path, most: int) -> dict:
+    """Return the object that a JSON file of at most so many bytes holds.
+
+    Raises
+    ------
+    FileFormatError    As of `read_bytes`, or it is no JSON or no object.
+    """
+    try:
+        return read_object(path, most)
     except UnreadableError as error:
         raise FileFormatError(path, str(error)) from None
 

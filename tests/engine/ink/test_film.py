@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from small_inks import BINDER, make_ink
 
 from lumenray.engine.errors import FileFormatError, SceneError
 from lumenray.engine.ink.composition import Ink
@@ -16,7 +17,6 @@ from lumenray.engine.ink.printed import Printed
 from lumenray.engine.ink.realisation import solve_unit
 from lumenray.engine.scattering.data.table import check_table
 from lumenray.engine.scene.scattering import ScatterTable
-from lumenray.tests.helpers.inks import BINDER, make_ink
 
 
 def _solve(ink, plan, **options) -> Printed:

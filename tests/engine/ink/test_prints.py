@@ -4,12 +4,12 @@ import json
 
 import numpy as np
 import pytest
+from small_inks import make_ink
 
 from lumenray.engine.errors import Cancelled
 from lumenray.engine.ink import computed
 from lumenray.engine.ink.ensemble import default_folder
 from lumenray.engine.session import Session
-from lumenray.tests.helpers.inks import make_ink
 
 SMALL = {"cell_um": 0.5, "band_step_nm": 80, "incidences": 2, "realisations": 2, "tolerance": 0.01}
 

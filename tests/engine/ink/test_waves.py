@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from small_inks import BINDER, WAVELENGTH, random_grid
 
 from lumenray.engine.ink import waves as waves_module
 from lumenray.engine.ink.films import film_shares
@@ -11,7 +12,6 @@ from lumenray.engine.ink.relief import carve
 from lumenray.engine.ink.scalar_sphere import forward_amplitude, scalar_efficiencies
 from lumenray.engine.ink.voxels import fill_shares
 from lumenray.engine.ink.waves import Cell, Waves
-from lumenray.tests.helpers.inks import BINDER, WAVELENGTH, random_grid
 
 
 @pytest.mark.parametrize(

@@ -6,6 +6,7 @@ import time
 
 import numpy as np
 import pytest
+from small_inks import make_ink
 from small_scenes import session_of
 from workers import (
     AT_ONCE,
@@ -36,7 +37,6 @@ from lumenray.engine.views import Display, ViewSettings
 from lumenray.engine.worker.client import Worker
 from lumenray.engine.worker.link import JOB_NAMES
 from lumenray.engine.worker.server import JOBS
-from lumenray.tests.helpers.inks import make_ink
 
 
 @pytest.fixture(scope="module")
@@ -65,13 +65,17 @@ def test_every_job_has_a_name_for_those_who_wait_for_it():
 
 
 @pytest.mark.slow
-def test_a_pigment_layer_comes_from_a_worker_as_from_the_session(engine, tmp_path, monkeypatch):
+def test_a_pigment_layer_comes_from_a_worker_as_from_the_session(tmp_path, monkeypatch):
+    """Each has a folder of its own for what it has solved, so that neither takes the other's."""
     content = make_ink(0.3, absorption=0.1, solution={"band_step_nm": 80, "incidences": 2}).content
-    monkeypatch.setenv("LUMENRAY_INK_CACHE", str(tmp_path))
+    monkeypatch.setenv("LUMENRAY_INK_CACHE", str(tmp_path / "near"))
     near = Session().compute_ink(json.dumps(content), draft=True)
-    far, told = engine.session("print"), []
-    made = far.compute_ink(json.dumps(content), draft=True, progress=told.append)
-    far.close()
+    monkeypatch.setenv("LUMENRAY_INK_CACHE", str(tmp_path / "far"))
+    told = []
+    with Worker(ROOT) as engine:
+        far = engine.session("print")
+        made = far.compute_ink(json.dumps(content), draft=True, progress=told.append)
+    assert any((tmp_path / "far").iterdir())
     assert (made.key, made.notes, made.realisations) == (near.key, near.notes, near.realisations)
     np.testing.assert_array_equal(made.readings, near.readings)
     there, here = (each.surface.front_reflection.values for each in (made, near))
