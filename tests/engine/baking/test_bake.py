@@ -13,6 +13,7 @@ from lumenray.engine.errors import Cancelled, FileFormatError, SceneError
 from lumenray.engine.scene.light import Output, PointLight, Quantity, UniformWorld
 from lumenray.engine.scene.light_groups import LightGroup
 from lumenray.engine.scene.material import Cauchy, Dielectric, Emission, Glossy, Material
+from lumenray.engine.scene.modelling import Modelling, Switch
 from lumenray.engine.scene.scene import SceneDelta
 from lumenray.engine.scene.spectrum import Constant
 from lumenray.engine.session import Session
@@ -465,7 +466,9 @@ def test_light_of_a_plane_mirror_counts_once_beside_traced_light():
     glass = moved(box(0.4, 0.4, 0.4, "glass", inwards=False), "ball", (-8.7, 0.3, 0.3))
     inside = PointLight("i", "i", CANDELA, np.array([-8.9, 0.1, 0.9]))
     light = PointLight("l", "l", CANDELA, np.array([0.2, 0.1, 1.0]))
-    items = (mirror, GLASS, BLACK, wall, floor, cell, glass, inside, light)
+    # Else the cell with all that is in it would be left out as unseen, and nothing be traced.
+    in_full = Modelling((("unseen", Switch.OFF),))
+    items = (mirror, GLASS, BLACK, wall, floor, cell, glass, inside, light, in_full)
     results = [bake(items, ("floor",), 256, caustics=flag) for flag in ("on", "off")]
     assert any("'glass' may bend light" in each for each in results[0].maps[0].provenance.decisions)
     for made in results:
