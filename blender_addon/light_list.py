@@ -124,7 +124,7 @@ def find_lights(depsgraph) -> LightList:
     met: set[int] = set()
     for instance in depsgraph.object_instances:
         source = instance.object
-        if not _gives_light(source):
+        if not gives_light(source):
             continue
         met.add(source.original.session_uid)
         if not instance.show_self:
@@ -144,14 +144,14 @@ def find_lights(depsgraph) -> LightList:
     unmet = [
         each.hide_render
         for each in depsgraph.view_layer.objects
-        if each.session_uid not in met and _gives_light(each)
+        if each.session_uid not in met and gives_light(each)
     ]
     off, hidden = off + sum(unmet), len(unmet) - sum(unmet)
     seconds = time.perf_counter() - start
     return LightList(tuple(ordered), off, hidden, tuple(dict.fromkeys(problems)), seconds)
 
 
-def _gives_light(source) -> bool:
+def gives_light(source) -> bool:
     """Whether an object is a light or an empty that is a luminaire, and no portal."""
     if is_luminaire(source) or is_rayset(source):
         return True

@@ -61,6 +61,22 @@ def open_blend(path: Path):
     return bpy.context.evaluated_depsgraph_get()
 
 
+def save_copy(path: Path) -> None:
+    """Save what is open to another place; the open file stays what it is.
+
+    Raises
+    ------
+    LumenrayError    Blender cannot write it.
+    """
+    import bpy
+
+    try:
+        with quiet():
+            bpy.ops.wm.save_as_mainfile(filepath=str(path.resolve()), compress=True, copy=True)
+    except RuntimeError as error:
+        raise LumenrayError(f"{path}: cannot be saved ({str(error).strip()})") from None
+
+
 def open_session(options):
     """Open the .blend file of a command and give its scene to an engine.
 

@@ -16,6 +16,7 @@ NOT_SHIPPED = (
     "benchmarks",
     "command_line",
     "tools",
+    "service",
     "validation",
 )
 """Names of files and folders inside the packages that the extension does without."""

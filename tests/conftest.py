@@ -27,6 +27,7 @@ WITH_BLENDER = (
     "command_line/test_option_names.py",
     "command_line/test_overwriting.py",
     "command_line/test_scene_commands.py",
+    "command_line/test_scene_files.py",
     "libraries/test_scenes.py",
     "operators/*",
     "ui/*",

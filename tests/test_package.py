@@ -15,7 +15,8 @@ from folders import ROOT
 import lumenray
 
 ROOMS = (
-    "benchmarks", "blender_addon", "command_line", "engine", "libraries", "operators", "tools", "ui", "validation",
+    "benchmarks", "blender_addon", "command_line", "engine", "libraries", "operators", "service", "tools", "ui",
+    "validation",
 )  # fmt: skip
 
 IMPORT_WITHOUT_BLENDER = """
