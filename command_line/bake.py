@@ -103,6 +103,11 @@ def _add_files(files) -> None:
         help="also draw every page with isolux lines, illuminance.NUMBER.isolux.png and .svg (default: as the scene says)",
     )
     files.add_argument(
+        "--arrays",
+        action="store_true",
+        help="also write every page and its layers as arrays of NumPy, NAME.NUMBER.npy, 32-bit floats, bottom row first",
+    )
+    files.add_argument(
         "--gltf",
         type=Path,
         metavar="OUT.glb",
@@ -232,6 +237,7 @@ def _settings(options, settings, objects):
         "caustics": options.caustics,
         "witness": options.witness,
         "isolux": options.isolux_lines,
+        "arrays": options.arrays,
     }
     around = {
         "densities": None if options.lumels_per_m is None else {},

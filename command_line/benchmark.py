@@ -194,8 +194,24 @@ def add_command(commands) -> None:
         metavar="CHECKOUT",
         help="folder 'lumenray' with the other version, such as 'git worktree add' makes",
     )
+    _add_service(kinds)
     _add_with_peers(kinds)
     _add_pictures(kinds)
+
+
+def _add_service(kinds) -> None:
+    """Add the kind that measures the service."""
+    service = _add(
+        kinds,
+        "service",
+        _run_service,
+        "the service under load: answers, a long queue, ends in between",
+    )
+    told = {"users": "at once", "count": "jobs in all", "kills": "ends of it"}
+    for name, what in told.items():
+        service.add_argument(
+            f"--{name}", type=whole(), metavar="N", help=f"{what} (default: 20, 500, 10)"
+        )
 
 
 def _add_daylight(kinds) -> None:
@@ -607,6 +623,20 @@ def _run_versions(options, say) -> int:
     tell(tell_bars(versions.check_bars(result)))
     _write(versions, result, options)
     return 0
+
+
+def _run_service(options, say) -> int:
+    from ..benchmarks.common.bars import tell_bars
+    from ..benchmarks.service import run as service
+
+    asked = (options.users, options.count, options.kills)
+    whole_size = (service.USERS, service.JOBS, service.KILLS)
+    sizes = [own or most for own, most in zip(asked, whole_size, strict=True)]
+    result = service.run(*sizes, say)
+    bars = service.check_bars(result)
+    tell(tell_bars(bars))
+    _write(service, result, options, tuple(sizes) != whole_size)
+    return int(any(bar.passed is False for bar in bars))
 
 
 def _run_luminaires(options, say) -> int:

@@ -2,7 +2,7 @@
 
 import asyncio
 import threading
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 
 
 class Changes:
@@ -35,6 +35,7 @@ class Changes:
         """Say that something of a user has changed; from any thread."""
         with self._lock:
             events = tuple(self._waiting.get(user, ()))
-        if events and self._loop is not None and not self._loop.is_closed():
-            for event in events:
+        for event in events:
+            # A loop that has been closed has nobody who waits.
+            with suppress(RuntimeError):
                 self._loop.call_soon_threadsafe(event.set)

@@ -185,7 +185,14 @@ def command_of(kind: str, options: dict, scene: Path, files: Path, target: Path)
     for name, value in options.items():
         made += KINDS[kind][name].arguments(name, value)
     if kind == "bake":
-        made += [f"--gltf={target / 'lux.glb'}", "--force"]
+        # Each page a texture of its own: who walks through the room is told the lumels themselves.
+        made += [
+            f"--gltf={target / 'lux.glb'}",
+            "--most-textures=1000",
+            "--texture-size=8192",
+            "--arrays",
+            "--force",
+        ]
     if kind == "measure":
         made.append(f"--plans={target}")
     if kind == "daylight":

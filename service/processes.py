@@ -80,6 +80,10 @@ class Confined:
         self._seconds = seconds
         self._reason = ""
         self._asked: float | None = None
+        # The innermost first.
+        self._folders = sorted(
+            {work, cache, *readable, *(path.parent for path in readable)}, reverse=True
+        )
         temporary = work / "tmp"
         temporary.mkdir()
         search = [str(Path(each).absolute()) for each in sys.path if each]
@@ -142,7 +146,13 @@ class Confined:
             reader.join()
         self._process.stdout.close()
         self._told.close()
-        return Outcome(code, tuple(log), self._reason)
+        return Outcome(code, tuple(map(self._without_folders, log)), self._reason)
+
+    def _without_folders(self, line: str) -> str:
+        """A line with files by their names alone: where they lie here is nobody's business."""
+        for folder in self._folders:
+            line = line.replace(f"{folder}/", "")
+        return line
 
     def _look(self) -> None:
         now = time.monotonic()

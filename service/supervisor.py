@@ -6,6 +6,7 @@ the latter anew.
 """
 
 import json
+import logging
 import os
 import shutil
 import signal
@@ -24,6 +25,8 @@ from .jobs import Job
 from .orders import SCENE_FILE, command_of
 from .processes import Confined, Outcome
 from .refusals import RefusalError
+
+LOGGER = logging.getLogger(__name__)
 
 PROGRAM = "lumenray.command_line.main"
 """What every job runs: a command with its arguments."""
@@ -174,8 +177,11 @@ class Supervisor:
             else:
                 self._compute(job, user, work)
         except (RefusalError, OSError) as error:
-            # A job that cannot be begun, and a full disk, concern this job; other faults are ours and end the thread loudly.
             self._fail(job, str(error))
+        except Exception:
+            # A fault of ours ends this job, and not those that wait behind it.
+            LOGGER.exception("job %s (%s) has met a fault of the service", job.id, job.kind)
+            self._fail(job, "a fault of the service; who keeps it finds it in its log")
         finally:
             with self._lock:
                 self._cancelled.discard(job.id)
@@ -197,6 +203,8 @@ class Supervisor:
         if self._is_put_off(job, outcome):
             return
         note = _why_failed(outcome)
+        if note:
+            _log(job, outcome)
         if note or not content.is_file():
             scenes.end_opening(
                 self._database, job, note or "nothing was found in it", None, size(folder)
@@ -224,6 +232,7 @@ class Supervisor:
         if self._is_put_off(job, outcome):
             return
         if outcome.reason or outcome.code not in WRITTEN:
+            _log(job, outcome)
             state = jobs.CANCELLED if outcome.reason == CANCELLED else jobs.FAILED
             jobs.end(self._database, job, state, _why_failed(outcome), outcome.code)
             return
@@ -293,6 +302,18 @@ class Supervisor:
         self._changes.tell(job.user)
 
 
+def _log(job: Job, outcome: Outcome) -> None:
+    """Tell who keeps the service how a job has failed."""
+    LOGGER.warning(
+        "job %s (%s) failed with code %d: %s\n%s",
+        job.id,
+        job.kind,
+        outcome.code,
+        outcome.reason or "see below",
+        "\n".join(printable(line) for line in outcome.log),
+    )
+
+
 def _checked_progress(told: dict) -> dict:
     """What of it has the expected form: it comes from a process that is not trusted."""
     made = {}
@@ -318,7 +339,9 @@ def _why_failed(outcome: Outcome) -> str:
     if outcome.code < 0:
         name = signal.Signals(-outcome.code).name
         return f"its process was ended by {name}: the file is broken, or it needs more memory than you may have"
-    return "its process failed: the file is broken, or it needs more memory than you may have"
+    # A fault of ours, whose last line says most of it; the rest stands in the service's own log.
+    last = printable(outcome.log[-1])[:LONGEST_NOTE] if outcome.log else f"exit code {outcome.code}"
+    return f"its process failed: {last}"
 
 
 def _notes(log: list[str]) -> str:

@@ -25,7 +25,7 @@ LARGEST_CLAIM = 1 << 16
 RESULTS = ("illuminance*.exr", "report.json", CHECKPOINT)
 """Files that a folder holds if there is something to lose in it."""
 
-ELSEWHERE = ("folder", "isolux", "keep_pages", "checkpoint", "conversion")
+ELSEWHERE = ("folder", "isolux", "arrays", "keep_pages", "checkpoint", "conversion")
 """Fields of an order that do not tell one bake from another."""
 
 

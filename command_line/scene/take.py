@@ -57,7 +57,7 @@ def _import_gltf(path: Path):
             bpy.ops.import_scene.gltf(filepath=str(path.resolve()))
     except Exception as error:
         # Blender's importer is a Python program that raises whatever a broken file leads it to.
-        reason = " ".join(str(error).split())[:300]
+        reason = str(error).strip().rpartition("\n")[2][:300]
         raise LumenrayError(f"{path}: Blender cannot read this glTF file ({reason})") from error
     return bpy
 

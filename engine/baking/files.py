@@ -21,6 +21,7 @@ from ..formats.report import (
     write_json,
     write_table,
 )
+from ..reading.whole_file import write_whole
 from .mixed_maps import AREA, OBJECT
 from .order import AtlasPage, BakeOrder, BakeResult
 
@@ -37,11 +38,17 @@ def tile_of(page: int) -> int:
 
 
 def write_page(
-    folder: Path, page: AtlasPage, attributes: dict, high: float, has_isolux: bool = False
+    folder: Path,
+    page: AtlasPage,
+    attributes: dict,
+    high: float,
+    has_isolux: bool = False,
+    has_arrays: bool = False,
 ) -> AtlasPage:
     """Write a page and its layers; returns it with the names of the files.
 
-    ``high``: top of the false colours [lx]; ``has_isolux``: whether it is drawn with isolux lines too.
+    ``high``: top of the false colours [lx]; ``has_isolux``: whether it is drawn with isolux lines too;
+    ``has_arrays``: whether it is written as arrays too.
 
     Raises
     ------
@@ -71,6 +78,8 @@ def write_page(
     )
     if has_isolux:
         files += _draw_isolux(folder / f"illuminance.{tile}.isolux", page, high)
+    if has_arrays:
+        files += _write_arrays(folder, page)
     for name, layer in page.layers.items():
         path = folder / f"illuminance_{file_stem(name)}.{tile}.exr"
         files.append(exr.write_channels(path, {"Y": layer}, {**base, "layer": name}))
@@ -82,6 +91,23 @@ def write_page(
             more["filter"] = WORDS
         files.append(exr.write_channels(path, channels, more))
     return replace(page, files=tuple(str(file) for file in files))
+
+
+def _write_arrays(folder: Path, page: AtlasPage) -> list[Path]:
+    """Write a page and its layers as .npy, (h, w) float32 with row 0 at the bottom. [lx]"""
+    named = {
+        "illuminance": page.illuminance,
+        "standard_error": page.standard_error,
+        "covered": page.covered,
+        **{f"illuminance_{file_stem(name)}": layer for name, layer in page.layers.items()},
+    }
+    files = []
+    for name, values in named.items():
+        path = folder / f"{name}.{tile_of(page.number)}.npy"
+        with write_whole(path) as stream:
+            np.save(stream, np.ascontiguousarray(values, dtype="<f4"), allow_pickle=False)
+        files.append(path)
+    return files
 
 
 def _draw_isolux(stem: Path, page: AtlasPage, high: float) -> list[Path]:

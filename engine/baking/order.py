@@ -36,6 +36,7 @@ class BakeOrder:
     caustics : str    ``auto``, ``on`` or ``off``: whether light is also traced from the lights.
     folder : str or None    Where pages and report are written; None: nowhere.
     isolux : bool    Whether pages are also drawn with lines of equal illuminance, as pixels and as shapes.
+    arrays : bool    Whether pages are also written as plain arrays of NumPy, which programs without OpenEXR read.
     keep_pages : bool    Whether the result holds the pages' arrays; else they are in the folder only.
     witness : bool    Whether a pilot from the lights tells what the objects receive, so that the errors cover what it finds.
     checkpoint : str or None    File from which an interrupted bake of the same order goes on, and to which its state is
@@ -64,6 +65,7 @@ class BakeOrder:
     transport: str = "auto"
     folder: str | None = None
     isolux: bool = False
+    arrays: bool = False
     keep_pages: bool = True
     checkpoint: str | None = None
     file: str = ""

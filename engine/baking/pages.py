@@ -54,7 +54,7 @@ def make_pages(
         if order.denoise and page.exitance is not None:
             page = _denoised(page, order.margin, notes)
         if folder is not None:
-            page = write_page(folder, page, attributes, high, order.isolux)
+            page = write_page(folder, page, attributes, high, order.isolux, order.arrays)
         return page if order.keep_pages else _emptied(page)
 
     for number in range(len(atlas.sizes)):

@@ -29,6 +29,7 @@ WITHOUT = (
     "conversion",
     "denoise",
     "isolux",
+    "arrays",
     "rule",
 )
 """Fields of an order with which a bake may go on that was begun with others."""

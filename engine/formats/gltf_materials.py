@@ -30,7 +30,8 @@ class Light:
             for colour in shown.colours
             if colour.needs_light
         ]
-        self.brightest = float(max(lit, default=1.0))
+        # Where nothing reflects any light, the look is black at any scale.
+        self.brightest = float(max(lit, default=1.0)) or 1.0
 
     @property
     def top(self) -> float:

@@ -11,7 +11,8 @@ from starlette.concurrency import run_in_threadpool
 from starlette.exceptions import HTTPException
 from starlette.requests import Request
 from starlette.responses import FileResponse, JSONResponse, Response, StreamingResponse
-from starlette.routing import Route
+from starlette.routing import Mount, Route
+from starlette.staticfiles import StaticFiles
 
 from ...blender_addon.scene_edits import library_materials
 from .. import jobs, scenes
@@ -56,9 +57,20 @@ HEADERS = {
     "X-Content-Type-Options": "nosniff",
     "Referrer-Policy": "no-referrer",
     "Cache-Control": "no-store",
-    "Content-Security-Policy": "default-src 'none'; frame-ancestors 'none'",
 }
-"""Of all answers to programs: nothing of a user's is to run, or to stay, in a browser."""
+"""Of all answers: nothing of a user's is to stay in a browser."""
+
+POLICY = "default-src 'none'; frame-ancestors 'none'"
+"""Of answers to programs: nothing of a user's is to run in a browser."""
+
+PAGE = Path(__file__).parent.parent / "page"
+"""The page for people; it asks as any other program does."""
+
+PAGE_POLICY = (
+    "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' blob: data:; "
+    "connect-src 'self' blob:; form-action 'none'; base-uri 'none'; frame-ancestors 'none'"
+)
+"""Of the page: it loads nothing from anywhere else."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +91,11 @@ def make_app(service: Service) -> Starlette:
         yield
 
     app = Starlette(
-        routes=[Route(path, handler, methods=[method]) for method, path, handler, _ in ROUTES],
+        routes=[
+            *(Route(path, handler, methods=[method]) for method, path, handler, _ in ROUTES),
+            Route("/", show_page),
+            Mount("/page", StaticFiles(directory=PAGE)),
+        ],
         exception_handlers={RefusalError: tell_refusal, HTTPException: tell_http_error},
         lifespan=asynccontextmanager(begin_and_end),
     )
@@ -89,7 +105,7 @@ def make_app(service: Service) -> Starlette:
 
 
 class _Headers:
-    """Puts `HEADERS` on every answer."""
+    """Puts `HEADERS` and a policy on every answer."""
 
     def __init__(self, app):
         self._app = app
@@ -97,7 +113,9 @@ class _Headers:
     async def __call__(self, scope, receive, send):
         async def send_with_headers(message):
             if message["type"] == "http.response.start":
-                own = [(name.lower().encode(), value.encode()) for name, value in HEADERS.items()]
+                is_page = scope["path"] == "/" or scope["path"].startswith("/page/")
+                told = HEADERS | {"Content-Security-Policy": PAGE_POLICY if is_page else POLICY}
+                own = [(name.lower().encode(), value.encode()) for name, value in told.items()]
                 message = {**message, "headers": [*message.get("headers", ()), *own]}
             await send(message)
 
@@ -112,6 +130,11 @@ def show_document(_request: Request) -> Response:
     return JSONResponse(
         describe_service([(method, path, words) for method, path, _, words in ROUTES])
     )
+
+
+def show_page(_request: Request) -> Response:
+    """The page for people."""
+    return FileResponse(PAGE / "index.html")
 
 
 @signed_in

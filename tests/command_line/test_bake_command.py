@@ -26,7 +26,7 @@ def test_the_command_line_orders_what_it_is_told(monkeypatch, tmp_path, capsys):
     code = command_line.main(
         ["bake", str(file), "-o", str(tmp_path / "lux"), "--lumels-per-m", "11", "--page-size", "256", "--most-pages", "2",
          "--margin", "3", "--error-lx", "4", "--time", "7", "--layers", "groups", "--exitance", "--denoise-exitance",
-         "--method", "cells", "--caustics", "on", "--isolux-lines", "--save", str(tmp_path / "out.blend")]
+         "--method", "cells", "--caustics", "on", "--isolux-lines", "--arrays", "--save", str(tmp_path / "out.blend")]
     )  # fmt: skip
     # What the fake_engine one gives is less exact than that.
     assert code == UNREACHED
@@ -39,6 +39,7 @@ def test_the_command_line_orders_what_it_is_told(monkeypatch, tmp_path, capsys):
         "on",
     )
     assert order.isolux
+    assert order.arrays
     assert (order.rule.absolute, order.rule.seconds, order.rule.error) == (4.0, 7.0, None)
     assert [group.name for group in order.groups] == ["Ceiling"]
     said = capsys.readouterr().out

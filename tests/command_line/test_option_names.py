@@ -22,7 +22,7 @@ OWN = {
     },
     "bake": {
         "file", "output", "force", "help", "objects", "accept-missing", "witness", "resume", "save", "require",
-        "requirements", "maintenance", "modified", "model",
+        "requirements", "maintenance", "modified", "model", "arrays",
     },
 }  # fmt: skip
 """Options that no panel has."""

@@ -25,12 +25,12 @@ CONTENT = {
 class Served:
     """A service without its door."""
 
-    def __init__(self, root, count=1, seconds=60.0, quota=None):
+    def __init__(self, root, count=1, seconds=60.0, quota=None, program=PROGRAM):
         self.folders = Folders(root)
         self.database = Database(self.folders.database)
         self.changes = Changes()
         self.supervisor = Supervisor(
-            self.database, self.folders, self.changes, count, seconds, PROGRAM
+            self.database, self.folders, self.changes, count, seconds, program
         )
         self.user = self.add_user("Ada", quota)
 
@@ -39,12 +39,12 @@ class Served:
         known = {each.name: each for each in accounts.users(self.database)}
         return known.get(name) or accounts.add_user(self.database, name, quota)
 
-    def add_scene(self, user=None, upload=b"BLENDER"):
+    def add_scene(self, user=None, upload=b"BLENDER", kind="blend"):
         """A scene that waits to be opened."""
         user, key = user or self.user, accounts.new_id()
         folder = self.folders.scene(user.id, key)
         folder.mkdir(parents=True)
-        (folder / UPLOADS["blend"]).write_bytes(upload)
+        (folder / UPLOADS[kind]).write_bytes(upload)
         return scenes.add_scene(self.database, user, key, "Room", len(upload))
 
     def add_ready_scene(self, user=None):

@@ -33,7 +33,7 @@ def baked(tmp_path):
         0, 6, 4, ceiling + desk, error, covered, area, number, number,
         {"Ceiling lamps": ceiling, "desk": desk}, None, 8, 7.0,
     )  # fmt: skip
-    write_page(folder, page, {}, 500.0)
+    write_page(folder, page, {}, 500.0, has_arrays=True)
     rows = [
         {"name": name, "mean": mean, "mean_standard_error": 0.5}
         for name, mean in (("Floor", CEILING), ("Desk", CEILING + 0.5 * DESK))
@@ -100,3 +100,14 @@ def test_mixes_pass_through_the_engines_process():
     assert not parts
     assert levels == sent[0]
     assert (made.mean, made.before, np.isnan(made.mean_error)) == (150.0, 300.0, True)
+
+
+def test_arrays_hold_what_pictures_hold(baked):
+    """Every page and its layers once more as arrays, which programs without OpenEXR read."""
+    for name in ("illuminance", "illuminance_Ceiling_lamps", "illuminance_desk"):
+        array = np.load(baked / f"{name}.1001.npy", allow_pickle=False)
+        assert array.dtype == np.float32
+        np.testing.assert_array_equal(array, read_channels(baked / f"{name}.1001.exr")["Y"])
+    whole = read_channels(baked / "illuminance.1001.exr")
+    for name in ("standard_error", "covered"):
+        np.testing.assert_array_equal(np.load(baked / f"{name}.1001.npy"), whole[f"{name}.Y"])

@@ -26,7 +26,9 @@ from small_scenes import box, quad
 
 from lumenray.engine.errors import FileFormatError, SceneError
 from lumenray.engine.formats.gltf import GltfLimits, write_gltf
+from lumenray.engine.scene.material import Diffuse, Material
 from lumenray.engine.scene.mesh import Mesh
+from lumenray.engine.scene.spectrum import Constant
 
 
 def test_a_scene_far_off_the_origin_keeps_its_shape(tmp_path):
@@ -68,7 +70,7 @@ def face_normals(mesh):
     return normal / np.linalg.norm(normal, axis=1, keepdims=True)
 
 
-def write_box(tmp_path, mesh, page=None, pages=1):
+def write_box(tmp_path, mesh, page=None, pages=1, shown=None):
     """Write a mesh whose corners all lie on the same place of their page."""
     count = len(mesh.triangles)
     uv = np.full((count, 3, 2), 0.5)
@@ -81,10 +83,20 @@ def write_box(tmp_path, mesh, page=None, pages=1):
     ]
     lux_map = make_map(mesh, 0, made[0].illuminance, uv, page)
     path = tmp_path / "box.glb"
-    write_gltf(path, [mesh], materials(), make_result([lux_map], made), white=WHITE)
+    shown = shown or materials()
+    write_gltf(path, [mesh], shown, make_result([lux_map], made), white=WHITE)
     file = GltfFile(path)
     file.check()
     return file
+
+
+def test_a_scene_of_black_surfaces_is_black(tmp_path):
+    black = Material("grey", "grey", Diffuse(Constant(0.0)))
+    mesh = box(2.0, 3.0, 4.0, "grey", inwards=False)
+    file = write_box(tmp_path, mesh, shown={"grey": black})
+    ((_, primitive),) = file.primitives()
+    factor = file.material(primitive)["pbrMetallicRoughness"]["baseColorFactor"]
+    assert factor == [0.0, 0.0, 0.0, 1.0]
 
 
 def test_open_sheets_are_seen_from_both_sides(tmp_path):
