@@ -6,36 +6,31 @@ from contextlib import contextmanager, suppress
 
 
 class Changes:
-    """Who waits, and for whose jobs. Until `attach`, nobody can."""
+    """Who waits, and for whose jobs."""
 
     def __init__(self):
-        self._loop: asyncio.AbstractEventLoop | None = None
         self._lock = threading.Lock()
-        self._waiting: dict[str, set[asyncio.Event]] = {}
-
-    def attach(self, loop: asyncio.AbstractEventLoop) -> None:
-        """State the loop on which they wait."""
-        self._loop = loop
+        self._waiting: dict[str, set[tuple[asyncio.AbstractEventLoop, asyncio.Event]]] = {}
 
     @contextmanager
     def listen(self, user: str):
-        """Give an event that is set at each change, on the loop."""
-        event = asyncio.Event()
+        """Give an event that is set at each change, on the loop that runs here."""
+        waiter = asyncio.get_running_loop(), asyncio.Event()
         with self._lock:
-            self._waiting.setdefault(user, set()).add(event)
+            self._waiting.setdefault(user, set()).add(waiter)
         try:
-            yield event
+            yield waiter[1]
         finally:
             with self._lock:
-                self._waiting[user].discard(event)
+                self._waiting[user].discard(waiter)
                 if not self._waiting[user]:
                     del self._waiting[user]
 
     def tell(self, user: str) -> None:
         """Say that something of a user has changed; from any thread."""
         with self._lock:
-            events = tuple(self._waiting.get(user, ()))
-        for event in events:
-            # A loop that has been closed has nobody who waits.
+            waiting = tuple(self._waiting.get(user, ()))
+        for loop, event in waiting:
+            # On a loop that has been closed nobody waits any more.
             with suppress(RuntimeError):
-                self._loop.call_soon_threadsafe(event.set)
+                loop.call_soon_threadsafe(event.set)

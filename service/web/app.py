@@ -2,7 +2,6 @@
 
 import asyncio
 import json
-from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -85,11 +84,6 @@ class Service:
 
 def make_app(service: Service) -> Starlette:
     """Return the program that answers requests; ``supervisor`` has to be started by who serves it."""
-
-    async def begin_and_end(_app):
-        service.changes.attach(asyncio.get_running_loop())
-        yield
-
     app = Starlette(
         routes=[
             *(Route(path, handler, methods=[method]) for method, path, handler, _ in ROUTES),
@@ -97,7 +91,6 @@ def make_app(service: Service) -> Starlette:
             Mount("/page", StaticFiles(directory=PAGE)),
         ],
         exception_handlers={RefusalError: tell_refusal, HTTPException: tell_http_error},
-        lifespan=asynccontextmanager(begin_and_end),
     )
     app.add_middleware(_Headers)
     app.state.service = service

@@ -161,9 +161,7 @@ def test_what_runs_when_the_service_is_closed_waits_for_the_next_start(tmp_path)
         served.supervisor.look()
         while served.supervisor.progress(job.id) is None:
             assert jobs.find_job(served.database, served.user, job.id).state != jobs.FAILED
-    row = sqlite3.connect(tmp_path / "service.sqlite").execute(
-        "select state from jobs where kind != 'open'"
-    )
+    row = sqlite3.connect(tmp_path / "service.sqlite").execute("select state from jobs")
     assert row.fetchone() == (jobs.QUEUED,)
 
 
