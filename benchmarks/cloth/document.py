@@ -125,8 +125,8 @@ def _presets(rows) -> str:
     )
     return (
         "## Cloths that ship\n\nAs data sheets state them (EN 14500, D65), from drafts of 12 000 rays for each direction, "
-        "with standard errors; the cut-off angle is told along the warp and along the weft. The time is of one that was not kept "
-        "from before.\n\n" + make_table(head, lines, 9)
+        "with standard errors; the cut-off angle is told along the warp and along the weft. The time is of one that was not "
+        "kept from before.\n\n" + make_table(head, lines, 9)
     )
 
 
@@ -161,7 +161,7 @@ def _sheen(row) -> str:
         "## A sheen in its place\n\nBlender's Principled BSDF has a sheen for cloth. A Lambertian base of "
         f"{row['base']:.3f} under a sheen of the weight {row['weight']:.3f} (roughness 0.5) reflects as much as "
         f"{row['cloth']} at {row['wavelength']:.0f} nm along the normal, and as nearly as it can of light from everywhere; "
-        "between, and in what it lets through (nothing), it differs. It has no direction along yarns, and no straight light. "
-        f"Reflectances in per cent, standard error of the sheen's {100.0 * row['error']:.1g}:\n\n"
+        "between, and in what it lets through (nothing), it differs. It has no direction along yarns, and no straight "
+        f"light. Reflectances in per cent, standard error of the sheen's {100.0 * row['error']:.1g}:\n\n"
         + make_table("| light from [deg] | cloth | sheen |", lines, 0)
     )

@@ -62,4 +62,5 @@ def weave_surface(
         tuple(woven.notes()),
     )
     save_woven(made, folder)
-    return made
+    # Files have half precision, and whoever asks again gets the same.
+    return load_woven(key, folder) or made
