@@ -1,12 +1,9 @@
 """What cloths come to where they are used: data sheets of those that ship, light behind a curtain, a sheen instead."""
 
-import json
-
 import numpy as np
 
 from ...engine.accuracy.stopping import StopRule
 from ...engine.cloth.surface import WovenSurface
-from ...engine.cloth.weaving import weave_surface
 from ...engine.scattering.data.evaluation import totals
 from ...engine.scene.light import Output, Quantity, SunLight, UniformWorld
 from ...engine.scene.material import Black, Diffuse, Material, Sheen
@@ -39,8 +36,9 @@ TURNS = np.radians(np.arange(7.5, 360.0, 15.0))
 
 def compute(preset: str, draft: bool = True) -> WovenSurface:
     """What a cloth that ships scatters, kept from before if it was computed."""
-    content = json.loads(cloths.presets()[preset].read_text(encoding="utf-8"))
-    return weave_surface(content, draft=draft)
+    text = cloths.presets()[preset].read_text(encoding="utf-8")
+    # Sessions bring the variant that it takes, whatever was computed before.
+    return Session(witness=False).compute_cloth(text, draft)
 
 
 def light_behind(woven: WovenSurface) -> dict[str, dict[str, float]]:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ...engine.cloth.plan import directions_of, rays_of
+from ...engine.cloth.plan import rays_in_all
 from ...engine.cloth.reader import parse_cloth
 from ...engine.cloth.surface import WovenSurface
 from ...engine.errors import LumenrayError
@@ -19,8 +19,7 @@ def describe_cost(settings) -> list[tuple[str, str]]:
         cloth = parse_cloth(describe(settings))
     except LumenrayError:
         return []
-    rays = rays_of(settings.quality == "DRAFT")
-    return [("Rays", f"{rays:,} from each of {directions_of(cloth)} directions")]
+    return [("Rays", f"{rays_in_all(cloth, settings.quality == 'DRAFT'):,}")]
 
 
 def describe_sheet(woven: WovenSurface) -> list[tuple[str, str]]:
