@@ -3,6 +3,7 @@
 import numpy as np
 
 from ...engine.cloth.composition import Cloth
+from ...engine.cloth.records import EXITS
 from ...engine.cloth.woven import Maker
 from ...engine.scattering.data.evaluation import evaluate
 from ...engine.scene.scattering import ScatterTable
@@ -27,6 +28,7 @@ def compare_directly(
     windows: int,
     rays: int,
     seed: int = 7,
+    exits: int = EXITS,
 ) -> dict[str, dict[str, float]]:
     """Compare the tables of light onto the front with rays, in the table's middle band.
 
@@ -43,7 +45,7 @@ def compare_directly(
     """
     wavelengths = sides["front_reflection"].wavelengths
     band = len(wavelengths) // 2
-    maker = Maker(cloth, wavelengths[band : band + 1], rays, seed, 1024)
+    maker = Maker(cloth, wavelengths[band : band + 1], rays, seed, exits)
     rng = np.random.default_rng(seed)
     rows = {"reflection": [], "transmission": []}
     for number in range(lights):

@@ -152,7 +152,7 @@ def _curtain(rows) -> str:
 def _sheen(row) -> str:
     lines = [
         f"| {angle:.0f} | {100.0 * own:.1f} | {100.0 * other:.1f} |"
-        for angle, own, other in zip(row["angles"], row["cloth"], row["sheen"], strict=True)
+        for angle, own, other in zip(row["angles"], row["woven"], row["sheen"], strict=True)
     ]
     lines.append(
         f"| from everywhere | {100.0 * row['diffuse'][0]:.1f} | {100.0 * row['diffuse'][1]:.1f} |"
@@ -160,8 +160,8 @@ def _sheen(row) -> str:
     return (
         "## A sheen in its place\n\nBlender's Principled BSDF has a sheen for cloth. A Lambertian base of "
         f"{row['base']:.3f} under a sheen of the weight {row['weight']:.3f} (roughness 0.5) reflects as much as "
-        f"{row['cloth']} at {row['wavelength']:.0f} nm along the normal, and as nearly as it can of light from everywhere; "
-        "between, and in what it lets through (nothing), it differs. It has no direction along yarns, and no straight "
+        f"the draft of {row['cloth']} at {row['wavelength']:.0f} nm along the normal, and as nearly as it can of light from "
+        "everywhere; between, and in what it lets through (nothing), it differs. It has no direction along yarns, and no straight "
         f"light. Reflectances in per cent, standard error of the sheen's {100.0 * row['error']:.1g}:\n\n"
         + make_table("| light from [deg] | cloth | sheen |", lines, 0)
     )

@@ -110,7 +110,7 @@ def sheen_like(woven: WovenSurface, wavelength: float) -> dict:
 
     Returns
     -------
-    dict    ``base`` and ``weight`` of it; ``angles`` [deg], ``cloth`` and ``sheen``: reflectances there; ``diffuse``:
+    dict    ``base`` and ``weight`` of it; ``angles`` [deg], ``woven`` and ``sheen``: reflectances there; ``diffuse``:
         of light from everywhere, of both; ``error``: the largest standard error of the sheen's.
     """
     table = woven.surface.front_reflection
@@ -146,7 +146,7 @@ def sheen_like(woven: WovenSurface, wavelength: float) -> dict:
         "base": base,
         "weight": float(weight),
         "angles": ANGLES.tolist(),
-        "cloth": cloth.tolist(),
+        "woven": cloth.tolist(),
         "sheen": by_angle.reflectance.tolist(),
         "diffuse": [diffuse, float(all_over.reflectance[0])],
         "error": float(by_angle.reflectance_error.max()),
