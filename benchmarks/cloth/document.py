@@ -161,7 +161,7 @@ def _sheen(row) -> str:
         "## A sheen in its place\n\nBlender's Principled BSDF has a sheen for cloth. A Lambertian base of "
         f"{row['base']:.3f} under a sheen of the weight {row['weight']:.3f} (roughness 0.5) reflects as much as "
         f"the draft of {row['cloth']} at {row['wavelength']:.0f} nm along the normal, and as nearly as it can of light from "
-        "everywhere; between, and in what it lets through (nothing), it differs. It has no direction along yarns, and no straight "
-        f"light. Reflectances in per cent, standard error of the sheen's {100.0 * row['error']:.1g}:\n\n"
+        "everywhere; between, and in what it lets through (nothing), it differs. It has no direction along yarns, and no "
+        f"straight light. Reflectances in per cent, standard error of the sheen's {100.0 * row['error']:.1g}:\n\n"
         + make_table("| light from [deg] | cloth | sheen |", lines, 0)
     )
