@@ -18,7 +18,7 @@ from ..foundation.settings import tag_owner
 
 def _length(title: str, words: str, default: float, least: float = 0.005):
     return FloatProperty(
-        name=f"{title} [mm]",
+        name=title,
         description=words,
         default=default,
         min=least,
@@ -35,12 +35,12 @@ class LumenrayClothYarn(PropertyGroup):
 
     content: content_property()
     width_mm: _length(
-        "Width",
+        "Width [mm]",
         "Axis of its section along the cloth, in millimetres. Default 0.2: a yarn of shirts",
         0.2,
     )
     height_mm: _length(
-        "Height",
+        "Height [mm]",
         "Axis of its section across the cloth, in millimetres. Default 0.2: as wide, a round yarn",
         0.2,
     )
@@ -162,13 +162,13 @@ class LumenrayClothSettings(PropertyGroup):
         update=tag_owner,
     )
     warp_pitch_mm: _length(
-        "Warp Pitch",
+        "Warp Pitch [mm]",
         "From one end of the warp to the next, in millimetres. Default 0.25: cloth of shirts",
         0.25,
         0.01,
     )
     weft_pitch_mm: _length(
-        "Weft Pitch",
+        "Weft Pitch [mm]",
         "From one pick of the weft to the next, in millimetres. Default 0.25: cloth of shirts",
         0.25,
         0.01,
@@ -183,7 +183,7 @@ class LumenrayClothSettings(PropertyGroup):
     weft: PointerProperty(type=LumenrayClothYarn)
     pile_yarn: PointerProperty(type=LumenrayClothYarn)
     pile_height_mm: _length(
-        "Pile Height",
+        "Pile Height [mm]",
         "Above the middle of the ground, in millimetres. Default 1: as of velour",
         1.0,
         0.05,
