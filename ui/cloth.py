@@ -5,7 +5,7 @@ import bpy
 from ..blender_addon.compositions.presets import title_of
 from ..imports import loaded_when_used
 from .compositions import draw_presets, draw_progress
-from .file_parts import LABELS, draw_problem
+from .file_parts import draw_problem
 from .material import MaterialPanel
 from .parts import draw_icon, draw_lines, draw_text, draw_wide
 
@@ -83,13 +83,13 @@ class LUMENRAY_PT_cloth_sheet(ClothChild, bpy.types.Panel):
         if woven is None:
             layout.label(text="Not computed yet", icon="TIME")
             return
-        draw_lines(layout, readout.describe_sheet(woven), LABELS)
+        draw_lines(layout, readout.describe_sheet(woven))
         row = layout.row()
         for name in ("reflected", "passed"):
             column = row.column(align=True)
             column.label(text=settings.bl_rna.properties[name].name)
             column.prop(settings, name, text="")
-        draw_lines(layout, readout.describe_trust(woven), LABELS)
+        draw_lines(layout, readout.describe_trust(woven))
         for note in woven.notes:
             draw_text(layout, context, note, "DOT")
 

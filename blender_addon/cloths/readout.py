@@ -34,8 +34,8 @@ def describe_sheet(woven: WovenSurface) -> list[tuple[str, str]]:
         ("Rv, diffuse light", _percent(sheet.diffuse_reflectance)),
     ]
     if sheet.openness > 0.0:
-        angles = f"{sheet.cutoff_warp_deg:.0f}° along the warp, {sheet.cutoff_weft_deg:.0f}° along the weft"
-        lines.append(("Cut-off angle", angles))
+        lines.append(("Cut-off along warp", f"{sheet.cutoff_warp_deg:.0f}°"))
+        lines.append(("Cut-off along weft", f"{sheet.cutoff_weft_deg:.0f}°"))
     return lines
 
 

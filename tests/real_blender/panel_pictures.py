@@ -286,6 +286,9 @@ def cloths():
     yield from wait_for(
         lambda: tables.state_of(settings.cloth).reading is not None, "the cloth", 900.0
     )
+    area_of("PROPERTIES").tag_redraw()
+    # The picture takes its place only when it is drawn.
+    yield 10.0
     yield from tab("cloth", "MATERIAL")
     area = area_of("VIEW_3D")
     area.spaces.active.region_3d.view_perspective = "CAMERA"
