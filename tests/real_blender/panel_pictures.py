@@ -275,7 +275,7 @@ def hang_curtain():
 def cloths():
     """A curtain of voile before a cube: its panels while it is computed and after, and its picture in the view."""
     item = hang_curtain()
-    item.rotation_euler, item.location = (0.0, 0.0, 0.6), (1.8, -1.8, -0.9)
+    item.rotation_euler, item.location = (0.0, 0.0, 0.8), (1.3, -1.2, -0.8)
     activate(item)
     settings = item.active_material.lumenray
     settings.use_override, settings.model = True, "CLOTH"
@@ -292,8 +292,16 @@ def cloths():
     yield from tab("cloth", "MATERIAL")
     area = area_of("VIEW_3D")
     area.spaces.active.region_3d.view_perspective = "CAMERA"
+    bpy.context.scene.lumenray.viewport.samples = 16
     area.spaces.active.shading.type = "RENDERED"
-    yield 60.0
+    viewport = module("blender_addon.rendering.viewport")
+
+    def is_shown():
+        status = viewport.newest_status()
+        return status is not None and status.samples >= 16
+
+    yield from wait_for(is_shown, "the view", 600.0)
+    yield DRAWN
     picture("view_cloth", next(each for each in area.regions if each.type == "WINDOW"))
     area.spaces.active.shading.type = "SOLID"
     bpy.data.objects.remove(item)
