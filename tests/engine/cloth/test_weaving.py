@@ -13,10 +13,12 @@ from lumenray.engine.cloth.kept import key_of, load_woven, save_woven
 from lumenray.engine.cloth.reader import parse_cloth
 from lumenray.engine.cloth.surface import Sheet, WovenSurface
 from lumenray.engine.cloth.tabulation import CELLS, Counted, tabulate
+from lumenray.engine.errors import Cancelled
 from lumenray.engine.scattering.data.evaluation import albedo, measure_reciprocity
 from lumenray.engine.scattering.data.record import SIDES
 from lumenray.engine.scene.material import Measured
 from lumenray.engine.scene.scattering import ScatterTable
+from lumenray.engine.session import Session
 
 CONTENT = {
     "lumenray_cloth": 1,
@@ -133,3 +135,34 @@ def test_both_ways_of_light_are_averaged_and_totals_are_those_that_were_counted(
         both = measure_reciprocity(table).scattered
         assert both < 0.75 * table.error
         assert table.error == pytest.approx(0.02, abs=0.015)
+
+
+@pytest.mark.mitsuba
+@pytest.mark.slow
+def test_a_session_computes_a_cloth_once_and_stops_when_told(tmp_path, monkeypatch):
+    monkeypatch.setenv("LUMENRAY_CLOTH_CACHE", str(tmp_path))
+    monkeypatch.setattr(plan, "DRAFT_RAYS", 240)
+    session, told = Session(), []
+
+    def cancel(progress):
+        told.append(progress)
+        if len(told) == 3:
+            session.cancel()
+
+    text = json.dumps(CONTENT)
+    with pytest.raises(Cancelled, match="cloth"):
+        session.compute_cloth(text, draft=True, progress=cancel)
+    assert not list(tmp_path.iterdir())
+    assert told[0].seconds_left is None
+    assert told[-1].seconds_left > 0.0
+    made = session.compute_cloth(text, draft=True)
+    # Yarns of 0.1 every 0.3 leave four ninths open.
+    assert made.sheet.openness == pytest.approx(4.0 / 9.0, abs=4.0 * np.sqrt(0.25 / 480))
+    assert made.surface.passes_straight
+    # Nothing absorbs: what is not reflected passes.
+    assert made.sheet.reflectance + made.sheet.transmittance == pytest.approx(1.0, abs=2e-3)
+    again = session.compute_cloth(text, draft=True, progress=cancel)
+    assert len(told) == 3
+    np.testing.assert_array_equal(
+        again.surface.front_reflection.values, made.surface.front_reflection.values
+    )
