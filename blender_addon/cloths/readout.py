@@ -34,8 +34,8 @@ def describe_sheet(woven: WovenSurface) -> list[tuple[str, str]]:
         ("Rv, diffuse light", _percent(sheet.diffuse_reflectance)),
     ]
     if sheet.openness > 0.0:
-        lines.append(("Cut-off along warp", f"{sheet.cutoff_warp_deg:.0f}°"))
-        lines.append(("Cut-off along weft", f"{sheet.cutoff_weft_deg:.0f}°"))
+        lines.append(("Cut-off, warp", f"{sheet.cutoff_warp_deg:.0f}°"))
+        lines.append(("Cut-off, weft", f"{sheet.cutoff_weft_deg:.0f}°"))
     return lines
 
 
@@ -43,7 +43,8 @@ def describe_trust(woven: WovenSurface) -> list[tuple[str, str]]:
     """Lines (label, value) of the errors that are known."""
     return [
         ("Table error", f"± {100.0 * woven.table_error:.2g} %"),
-        ("Rays", f"{woven.rays:,}, seed {woven.seed}"),
+        ("Rays", f"{woven.rays:,}"),
+        ("Seed", f"{woven.seed}"),
     ]
 
 
@@ -66,5 +67,5 @@ def _colour(settings, name: str) -> tuple[float, float, float]:
 
 def _percent(share: float, error: float | None = None) -> str:
     if error is None:
-        return f"{100.0 * share:.3g} %"
-    return f"{100.0 * share:.3g} % ± {100.0 * error:.1g} %"
+        return f"{100.0 * share:#.3g} %"
+    return f"{100.0 * share:#.3g} % ± {100.0 * error:.1g} %"

@@ -33,7 +33,7 @@ WINDOW = (0.8, 3.2, 0.6, 2.35)
 SUN = np.array([-0.35, 0.75, 0.62])
 """Towards it."""
 
-SIZE, SAMPLES, WHITE = (420, 280), 160, 2600.0
+SIZE, SAMPLES, WHITE = (360, 240), 200, 5500.0
 """Of the picture [pixel], of each pixel, and the luminance that is shown as white. [cd/m2]"""
 
 
@@ -117,14 +117,14 @@ def draw(samples: int = SAMPLES) -> np.ndarray:
         SunLight(
             "sun",
             "Sun",
-            Output(Quantity.ILLUMINANCE, 70_000.0, Blackbody(5500.0)),
+            Output(Quantity.ILLUMINANCE, 40_000.0, Blackbody(5500.0)),
             -SUN / np.linalg.norm(SUN),
             np.radians(0.53),
         ),
     )
     session = Session(witness=False)
     session.apply(SceneDelta(changed=things))
-    camera = camera_at((1.55, 0.35, 1.45), np.array([2.05, 4.0, 1.05]), SIZE, 1.0)
+    camera = camera_at((1.0, 0.12, 1.65), np.array([2.15, 3.6, 0.95]), SIZE, 1.15)
     return shown(session.render(camera, ViewSettings(StopRule(samples=samples))), WHITE)
 
 

@@ -186,8 +186,8 @@ def test_a_cloth_is_computed_once_and_hangs_as_it_is_turned(material, engine):
 def test_panels_state_the_data_sheet_and_draw_the_cloth(material, engine):
     tables.cloth_tables.obtain(material.lumenray.cloth)
     seen = draw("LUMENRAY_PT_cloth_sheet", context(material=material))
-    assert "30 % ± 0.1 %" in seen
-    assert "10 %" in seen
+    assert "30.0 % ± 0.1 %" in seen
+    assert "10.0 %" in seen
     assert {"41°", "43°"} <= set(seen)
     assert readout.reflected(material.lumenray.cloth) == pytest.approx((0.3,) * 3)
     assert readout.passed(material.lumenray.cloth) == pytest.approx((0.2,) * 3)
