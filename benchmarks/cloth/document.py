@@ -137,15 +137,25 @@ def _share(value: float, error: float) -> str:
 def _curtain(rows) -> str:
     lines = [
         f"| {name} | {light} | {100.0 * own['map']:.3f} ± {100.0 * own['error']:.1g} % | {100.0 * own['table']:.3f} % | "
-        f"{100.0 * (own['map'] / own['table'] - 1.0):+.2f} % |"
+        f"{100.0 * (own['map'] / own['table'] - 1.0):+.2f} % | {_known(own)} |"
         for name, each in rows.items()
         for light, own in each.items()
     ]
     return (
         "## Behind a curtain\n\nMean of a lux map close behind a curtain that closes a black box, over the illuminance in "
         "front of it, under an even sky and under a sun along the normal; and the transmittance that the curtain's tables "
-        "(drafts) state for this light.\n\n"
-        + make_table("| curtain | light | map | table | apart |", lines, 2)
+        "(drafts) state for this light. Light is followed from the map, so what it meets is the tables' values for light from "
+        "everywhere else, in place of their total for light along the normal: both are the same up to the tables' noise, of "
+        "which the standard error is told.\n\n"
+        + make_table("| curtain | light | map | table | apart | of the table |", lines, 2)
+    )
+
+
+def _known(own) -> str:
+    return (
+        f"± {100.0 * own['table_error'] / own['table']:.2g} %"
+        if own["table_error"]
+        else "not known"
     )
 
 

@@ -47,7 +47,7 @@ def light_behind(woven: WovenSurface) -> dict[str, dict[str, float]]:
     Returns
     -------
     dict    Of ``sky`` and ``sun``: ``map``, the map's mean over the light in front; ``error``, its standard error;
-        ``table``, the transmittance that the tables state.
+        ``table``, the transmittance that the tables state; ``table_error``, its standard error, 0 where none is known.
     """
     half, zero = 0.5 * SIDE, (0.0, 0.0, 0.0)
     x, y, z = np.eye(3) * SIDE
@@ -69,6 +69,7 @@ def light_behind(woven: WovenSurface) -> dict[str, dict[str, float]]:
             UniformWorld(LUMINANCE, spectrum),
             np.pi * LUMINANCE,
             woven.sheet.diffuse_transmittance,
+            0.0,
         ),
         "sun": (
             SunLight(
@@ -79,13 +80,14 @@ def light_behind(woven: WovenSurface) -> dict[str, dict[str, float]]:
             ),
             SUN,
             woven.sheet.transmittance,
+            woven.sheet.transmittance_error,
         ),
     }
     line = (np.arange(PLACES) + 0.5) / PLACES - 0.5
     places = np.stack([*np.meshgrid(line, line), np.full((PLACES, PLACES), -BEHIND)], axis=-1)
     places = places.reshape(-1, 3)
     made = {}
-    for name, (light, arriving, stated) in lights.items():
+    for name, (light, arriving, stated, known) in lights.items():
         session = Session(witness=False)
         session.apply(SceneDelta(changed=(*things, light)))
         measured = session.measure(
@@ -99,6 +101,7 @@ def light_behind(woven: WovenSurface) -> dict[str, dict[str, float]]:
             "map": float(share.mean()),
             "error": float(np.sqrt((measured.standard_error**2).sum()) / arriving / len(share)),
             "table": stated,
+            "table_error": known,
         }
     return made
 
