@@ -145,8 +145,8 @@ def _curtain(rows) -> str:
         "## Behind a curtain\n\nMean of a lux map close behind a curtain that closes a black box, over the illuminance in "
         "front of it, under an even sky and under a sun along the normal; and the transmittance that the curtain's tables "
         "(drafts) state for this light. Light is followed from the map, so what it meets is the tables' values for light "
-        "from everywhere else, in place of their total for light along the normal: both are the same up to the tables' noise, "
-        "of which the standard error is told.\n\n"
+        "from everywhere else, in place of their total for light along the normal: both are the same up to the tables' "
+        "noise, of which the standard error is told.\n\n"
         + make_table("| curtain | light | map | table | apart | of the table |", lines, 2)
     )
 
