@@ -11,7 +11,6 @@ from ...engine.cloth.close_up import draw_close_up, seen_from_afar
 from ...engine.cloth.reader import read_cloth
 from ...engine.cloth.readings import hue_saturation_value, read_sheet, visible_weights
 from ...engine.cloth.thread_walk import ThreadOptics, walk_inside
-from ...engine.cloth.weaving import weave_surface
 from ...engine.cloth.woven import weave
 from ...engine.reading.whole_file import write_whole
 from ...engine.scattering.data.evaluation import measure_reciprocity, totals
@@ -52,7 +51,7 @@ WOVEN = "red_cotton"
 PIXELS, SAMPLES = 64, 384
 """Of the close-up."""
 
-LIGHTS, WINDOWS, DIRECT_RAYS = 40, 250, 50_000
+LIGHTS, WINDOWS, DIRECT_RAYS = 40, 250, 25_000
 """Of T5: directions of light, windows of each, and rays of each."""
 
 CURTAINS = ("voile", "screen_5")
@@ -200,7 +199,7 @@ def _measure_woven(say) -> dict:
 def _measure_direct(say) -> dict:
     cloth = read_cloth(cloths.presets()[WOVEN])
     say(f"{cloth.name}: tables against light sent anew")
-    woven = weave_surface(cloth.content)
+    woven = compute(WOVEN)
     sides = {side: getattr(woven.surface, side) for side in SIDES}
     return {"cloth": cloth.name} | compare_directly(cloth, sides, LIGHTS, WINDOWS, DIRECT_RAYS)
 
