@@ -29,13 +29,15 @@ def compare_directly(
     rays: int,
     seed: int = 7,
     exits: int = EXITS,
+    wavelength: float = 640.0,
 ) -> dict[str, dict[str, float]]:
-    """Compare the tables of light onto the front with rays, in the table's middle band.
+    """Compare the tables of light onto the front with rays, in one band.
 
     Parameters
     ----------
     lights, windows : int    Directions of light, and windows of each, at random by projected solid angle; pairs in all.
     rays : int    Of each light.
+    wavelength : float    Of the band, about. [nm]
 
     Returns
     -------
@@ -44,7 +46,7 @@ def compare_directly(
         means over that of the table; ``pairs``.
     """
     wavelengths = sides["front_reflection"].wavelengths
-    band = len(wavelengths) // 2
+    band = int(np.argmin(np.abs(wavelengths - wavelength)))
     maker = Maker(cloth, wavelengths[band : band + 1], rays, seed, exits)
     rng = np.random.default_rng(seed)
     rows = {"reflection": [], "transmission": []}

@@ -101,7 +101,7 @@ def _direct(row) -> str:
         for words, own in (("reflected", row["reflection"]), ("passed", row["transmission"]))
     ]
     return (
-        f"## Tables against light sent anew (T5)\n\n{row['cloth']}, a draft, in the middle band: light from directions at "
+        f"## Tables against light sent anew (T5)\n\n{row['cloth']}, a draft, at 640 nm: light from directions at "
         "random, counted in round windows of 7 degrees about others, all up to 80 degrees from the normal. Differences are "
         "over the table's value, or 0.02/sr where it is less; the noise of the counts is taken out of their root mean "
         "square and stands beside it. What is left is the noise of the tables, and lobes and angles between which they are "

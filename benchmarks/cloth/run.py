@@ -56,7 +56,7 @@ LIGHTS, WINDOWS, DIRECT_RAYS = 40, 250, 25_000
 
 CURTAINS = ("voile", "screen_5")
 
-SHEEN_WAVELENGTH = 640.0
+BRIGHT_WAVELENGTH = 640.0
 """Where the red cotton reflects most. [nm]"""
 
 __all__ = ["PARTS", "check_bars", "read_results", "run", "write_results"]
@@ -201,7 +201,9 @@ def _measure_direct(say) -> dict:
     say(f"{cloth.name}: tables against light sent anew")
     woven = compute(WOVEN)
     sides = {side: getattr(woven.surface, side) for side in SIDES}
-    return {"cloth": cloth.name} | compare_directly(cloth, sides, LIGHTS, WINDOWS, DIRECT_RAYS)
+    return {"cloth": cloth.name} | compare_directly(
+        cloth, sides, LIGHTS, WINDOWS, DIRECT_RAYS, wavelength=BRIGHT_WAVELENGTH
+    )
 
 
 def _measure_presets(say) -> dict:
@@ -228,7 +230,7 @@ def _measure_curtain(say) -> dict:
 
 def _measure_sheen(say) -> dict:
     say("a sheen for a cloth")
-    return {"cloth": WOVEN} | sheen_like(compute(WOVEN), SHEEN_WAVELENGTH)
+    return {"cloth": WOVEN} | sheen_like(compute(WOVEN), BRIGHT_WAVELENGTH)
 
 
 def _beyond(own: dict[str, float]) -> float:
