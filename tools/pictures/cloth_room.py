@@ -33,7 +33,7 @@ WINDOW = (0.8, 3.2, 0.6, 2.35)
 SUN = np.array([-0.35, 0.75, 0.62])
 """Towards it."""
 
-SIZE, SAMPLES, WHITE = (360, 240), 200, 5500.0
+SIZE, SAMPLES, WHITE = (360, 240), 32, 5500.0
 """Of the picture [pixel], of each pixel, and the luminance that is shown as white. [cd/m2]"""
 
 
