@@ -11,6 +11,7 @@ from bpy.props import (
 from bpy.types import PropertyGroup
 
 from ..libraries import spectra
+from .cloths.settings import LumenrayClothSettings
 from .foundation.settings import (
     PATH_OPTIONS,
     SpectrumSettings,
@@ -26,13 +27,14 @@ from .surface_models import model_items
 
 
 def _follow_override(self, context):
-    """Show the look of a measured material, or what the material was before; a new paint or print begins with a preset."""
-    from .inks.presets import begin as begin_ink
-    from .paints.presets import begin
+    """Show the look of a measured material, or what the material was before; new compositions begin with a preset."""
+    from .cloths import presets as cloth_presets
+    from .inks import presets as ink_presets
+    from .paints import presets as paint_presets
     from .scattering.look_nodes import follow_override
 
-    begin(self.id_data)
-    begin_ink(self.id_data)
+    for presets in (paint_presets, ink_presets, cloth_presets):
+        presets.begin(self.id_data)
     follow_override(self.id_data)
     tag_owner(self, context)
 
@@ -219,4 +221,5 @@ class LumenrayMaterialSettings(SpectrumSettings, PropertyGroup):
     measured: PointerProperty(type=LumenrayMeasuredSettings)
     paint: PointerProperty(type=LumenrayPaintSettings)
     ink: PointerProperty(type=LumenrayInkSettings)
+    cloth: PointerProperty(type=LumenrayClothSettings)
     light_group: light_group_property("what glows with this material")

@@ -15,6 +15,7 @@ from ..engine.photometry import units
 from .bake import settings as bake_settings
 from .bake import tables as baked_tables
 from .bake.settings import LumenrayBakeSettings, LumenrayLookSettings
+from .cloths import settings as cloth_settings
 from .daylight import following
 from .daylight import settings as daylight_settings
 from .daylight.following import follow_edit
@@ -318,6 +319,7 @@ CLASSES = (
     LumenrayMeasuredSettings,
     *paint_settings.CLASSES,
     *ink_settings.CLASSES,
+    *cloth_settings.CLASSES,
     LumenrayMaterialSettings,
     LumenraySkySettings,
     *daylight_settings.CLASSES,

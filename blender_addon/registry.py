@@ -19,6 +19,7 @@ def _groups():
     )
     from .bake import results as baked_results
     from .bake import running as running_bake
+    from .cloths.tables import cloth_tables
     from .daylight import following, ready
     from .foundation import background_job, engine_process, identity, running_trials
     from .inks.tables import ink_tables
@@ -51,6 +52,7 @@ def _groups():
         scattering_files,
         paint_tables,
         ink_tables,
+        cloth_tables,
         engine_process,
         running_bake,
         running_trials,

@@ -10,6 +10,9 @@ PAINT = "PAINT"
 INK = "INK"
 """Model of dense pigment layers by their composition, see `inks`."""
 
+CLOTH = "CLOTH"
+"""Model of cloths by their composition, see `cloths`."""
+
 
 @dataclass(frozen=True)
 class Model:
@@ -74,8 +77,20 @@ MODELS = {
         9,
         ("ink",),
     ),
+    CLOTH: Model(
+        "Cloth",
+        "Woven cloth by its composition: yarns, weave and pile; curtains, screens, upholstery",
+        10,
+        ("cloth",),
+    ),
 }
 """Kinds of surfaces, by their names in scripts."""
+
+
+def is_modelled(material, model: str) -> bool:
+    """Whether a material is a surface of a kind, by its name in scripts."""
+    settings = material.lumenray
+    return settings.use_override and settings.model == model
 
 
 def model_items() -> list[tuple[str, str, str, int]]:

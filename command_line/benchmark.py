@@ -112,7 +112,7 @@ def add_command(commands) -> None:
         "cloths against reference values, both ways of light, close-ups, a clock",
         "of a part",
     )
-    _add_parts(cloth, "reference, photons, woven")
+    _add_parts(cloth, "reference, photons, woven, direct, presets, curtain, sheen")
     ink = _add(
         kinds,
         "ink",

@@ -22,6 +22,7 @@ from .analysis.explanation import Explanation, explain_rays
 from .baking.lumel_sheet import LumelSheet
 from .baking.mixed_maps import MixedMap, mix_maps
 from .baking.order import BakeOrder, BakeResult
+from .cloth.surface import WovenSurface
 from .daylight.coefficients import DaylightCoefficients, DaylightOrder
 from .errors import Cancelled, SceneError
 from .grouped_picture import Rendered, render_groups
@@ -207,16 +208,59 @@ class Session:
         # Scenes without paints never ask for it.
         from .paint.painted import paint_surface
 
-        start, self._cancel = time.perf_counter(), False
+        self._cancel = False
+        return paint_surface(json.loads(description), self._reporter("paint", progress))
+
+    def compute_cloth(
+        self,
+        description: str,
+        draft: bool = False,
+        progress: Callable[[Progress], None] | None = None,
+    ) -> WovenSurface:
+        """Compute what a cloth scatters; it has nothing to do with the scene, and others work meanwhile.
+
+        What was computed is kept for this user, and found again by what is asked.
+
+        Parameters
+        ----------
+        description : str    JSON text of its composition.
+        draft : bool    As of `cloth.plan.rays_of`.
+
+        Raises
+        ------
+        FileFormatError    The description breaks its schema or names what there is not.
+        SceneError    The cloth cannot be computed.
+        Cancelled    After `cancel`.
+        """
+        from .transport import backend
+
+        with self._alone():
+            before = self._variant
+            # Pauses bring it back, whatever others need.
+            self._variant = backend.start(spectral=False)
+            # Its arrays are of the variant that has been started.
+            from .cloth.weaving import weave_surface
+
+            report = self._reporter("cloth", progress)
+            try:
+                return weave_surface(json.loads(description), draft=draft, report=report)
+            finally:
+                # What is compiled of the scene is of that.
+                self._variant = before
+
+    def _reporter(self, noun: str, progress: Callable[[Progress], None] | None):
+        """What a job without a scene tells the share that is done: it pauses, ends the job after `cancel`, and forecasts."""
+        start = time.perf_counter()
 
         def report(share: float) -> None:
             if self._cancelled():
-                raise Cancelled("the paint was not computed: cancelled")
+                raise Cancelled(f"the {noun} was not computed: cancelled")
             if progress is not None:
                 seconds = time.perf_counter() - start
-                progress(Progress(share, 0, math.inf, seconds, None, "paint"))
+                left = seconds * (1.0 - share) / share if share > 0.0 else None
+                progress(Progress(share, 0, math.inf, seconds, left, noun))
 
-        return paint_surface(json.loads(description), report)
+        return report
 
     def compute_ink(
         self,

@@ -1,4 +1,4 @@
-"""What operators on the composition of the active material share, whether it is a paint or a pigment layer."""
+"""What operators on the composition of the active material share, whether it is a paint, a pigment layer or a cloth."""
 
 import json
 from pathlib import Path
@@ -63,6 +63,19 @@ class CompositionOperator:
         text = json.dumps(self.describe(settings), indent=2, ensure_ascii=False)
         with whole_file.write_whole(path, "utf-8") as stream:
             stream.write(text + "\n")
+
+
+class SetPreset(CompositionOperator):
+    """Operator that takes over a preset by ``load``; ``known`` returns the files of all there are, by name."""
+
+    preset: StringProperty(description="Name of the preset's file without its ending")
+
+    def work(self, context, settings):
+        """Load it."""
+        path = self.known().get(self.preset)
+        if path is None:
+            raise LumenrayError(f"there is no preset '{self.preset}'")
+        self.load(settings, path)
 
 
 class LoadComposition(LoadFile):

@@ -1,12 +1,10 @@
 """Composition of the active material's pigment layer: presets and files."""
 
 import bpy
-from bpy.props import StringProperty
 
 from ..blender_addon.surface_models import INK
-from ..engine.errors import LumenrayError
 from ..imports import loaded_when_used
-from .compositions import CompositionOperator, LoadComposition, SaveComposition
+from .compositions import LoadComposition, SaveComposition, SetPreset
 
 with loaded_when_used():
     from ..blender_addon.inks import description, presets
@@ -41,19 +39,19 @@ class LUMENRAY_OT_save_ink(Ink, SaveComposition, bpy.types.Operator):
     bl_label = "Save Pigment Layer"
 
 
-class LUMENRAY_OT_set_ink_preset(Ink, CompositionOperator, bpy.types.Operator):
+class LUMENRAY_OT_set_ink_preset(Ink, SetPreset, bpy.types.Operator):
     """Take over the composition of a preset; what was set before is gone but for undoing"""
 
     bl_idname = "lumenray.set_ink_preset"
     bl_label = "Pigment Layer Preset"
 
-    preset: StringProperty(description="Name of the preset's file without its ending")
+    @staticmethod
+    def known() -> dict:
+        """Return the files of presets."""
+        return presets.shipped()
 
-    def work(self, context, settings):
-        """Load it."""
-        path = presets.shipped().get(self.preset)
-        if path is None:
-            raise LumenrayError(f"there is no preset '{self.preset}'")
+    def load(self, settings, path):
+        """Take over what a file states."""
         presets.load(settings, path)
 
 

@@ -3,11 +3,12 @@
 import bpy
 from bpy.props import EnumProperty, IntProperty, StringProperty
 
+from ..blender_addon.compositions.presets import title_of
 from ..blender_addon.scattering.settings import active_material
 from ..blender_addon.surface_models import PAINT
 from ..engine.errors import LumenrayError
 from ..imports import loaded_when_used
-from .compositions import CompositionOperator, LoadComposition, SaveComposition
+from .compositions import CompositionOperator, LoadComposition, SaveComposition, SetPreset
 
 with loaded_when_used():
     from ..blender_addon.file_assets import kind as file_kind
@@ -43,19 +44,19 @@ class LUMENRAY_OT_save_paint(Paint, SaveComposition, bpy.types.Operator):
     bl_label = "Save Composition"
 
 
-class LUMENRAY_OT_set_paint_preset(Paint, CompositionOperator, bpy.types.Operator):
+class LUMENRAY_OT_set_paint_preset(Paint, SetPreset, bpy.types.Operator):
     """Take over the composition of a preset; what was set before is gone but for undoing"""
 
     bl_idname = "lumenray.set_paint_preset"
     bl_label = "Paint Preset"
 
-    preset: StringProperty(description="Name of the preset's file without its ending")
+    @staticmethod
+    def known() -> dict:
+        """Return the files of presets."""
+        return presets.shipped() | presets.own()
 
-    def work(self, context, settings):
-        """Load it."""
-        path = (presets.shipped() | presets.own()).get(self.preset)
-        if path is None:
-            raise LumenrayError(f"there is no preset '{self.preset}'")
+    def load(self, settings, path):
+        """Take over what a file states."""
         presets.load(settings, path)
 
 
@@ -77,7 +78,7 @@ class LUMENRAY_OT_add_paint_preset(Paint, CompositionOperator, bpy.types.Operato
         if not name:
             raise LumenrayError("a preset needs a name")
         self.write(presets.own_folder() / f"{name}.json", settings)
-        return f"'{presets.title_of(name)}' is among the presets"
+        return f"'{title_of(name)}' is among the presets"
 
 
 class LUMENRAY_OT_add_paint_layer(Paint, CompositionOperator, bpy.types.Operator):

@@ -1,12 +1,14 @@
 """Panels. They show and name things; whatever has to be found out is found out in `blender_addon`."""
 
 from ..blender_addon.bake import error_graph as error_graphs
+from ..blender_addon.cloths.preview import pictures as cloth_pictures
 from ..blender_addon.luminaires.preview import pictures as luminaire_pictures
 from ..blender_addon.paints.preview import pictures as paint_pictures
 from ..blender_addon.scattering.preview import pictures as scattering_pictures
 from . import (
     add_menu,
     bake,
+    cloth,
     compatibility,
     daylight_year,
     ground_overlay,
@@ -44,6 +46,7 @@ CLASSES = (
     *scattering.CLASSES,
     *paint.CLASSES,
     *ink.CLASSES,
+    *cloth.CLASSES,
     *world.CLASSES,
     *daylight_year.CLASSES,
     *presets.CLASSES,
@@ -87,5 +90,6 @@ def detach():
     luminaire_pictures.close()
     scattering_pictures.close()
     paint_pictures.close()
+    cloth_pictures.close()
     error_graphs.close()
     compatibility.detach()

@@ -2,7 +2,9 @@
 
 import bpy
 
+from ..blender_addon.compositions.presets import title_of
 from ..imports import loaded_when_used
+from .compositions import draw_presets, draw_progress
 from .file_parts import LABELS, draw_problem
 from .material import MaterialPanel
 from .parts import draw_lines, draw_text, draw_wide
@@ -18,7 +20,7 @@ class LUMENRAY_MT_ink_presets(bpy.types.Menu):
 
     def draw(self, context):
         for name in presets.shipped():
-            text = presets.title_of(name)
+            text = title_of(name)
             self.layout.operator("lumenray.set_ink_preset", text=text).preset = name
 
 
@@ -38,18 +40,13 @@ class LUMENRAY_PT_ink(InkPanel, bpy.types.Panel):
     def draw(self, context):
         layout = self.layout
         settings = context.material.lumenray.ink
-        row = layout.row(align=True)
-        row.menu("LUMENRAY_MT_ink_presets", text=settings.name or "Presets")
-        row.operator("lumenray.load_ink", text="", icon="FILEBROWSER")
-        row.operator("lumenray.save_ink", text="", icon="FILE_TICK")
+        draw_presets(layout, settings.name, "ink")
         layout.row().prop(settings, "quality", expand=True)
         state = tables.ink_tables.state_of(settings)
         if state.problem:
             draw_problem(layout, context, state.problem, readout.REMEDY)
         elif state.reading is None:
-            percent = f" ({100.0 * state.share:.0f} %)" if state.share else ""
-            layout.label(text=f"The table is being computed…{percent}", icon="TIME")
-            draw_lines(layout, readout.describe_cost(settings), LABELS)
+            draw_progress(layout, state, readout.describe_cost(settings))
         for name in description.LAYER:
             if description.layer_states(settings, name):
                 draw_wide(layout, settings, name, settings.bl_rna.properties[name].name)

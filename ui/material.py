@@ -75,6 +75,7 @@ DRAWN = {
     "measured": _draw_measured,
     "paint": _draw_measured,
     "ink": _draw_measured,
+    "cloth": _draw_measured,
 }
 """What is drawn for settings of a model that are more than one property with its own name."""
 

@@ -2,9 +2,11 @@
 
 import bpy
 
+from ..blender_addon.compositions.presets import title_of
 from ..blender_addon.paints.angles import STRIP
 from ..engine.errors import LumenrayError
 from ..imports import loaded_when_used
+from .compositions import draw_presets, draw_progress
 from .file_parts import LABELS, draw_problem
 from .material import MaterialPanel
 from .parts import draw_icon, draw_lines, draw_text, draw_wide
@@ -44,7 +46,7 @@ class LUMENRAY_MT_paint_presets(bpy.types.Menu):
         for name in (*presets.shipped(), *own):
             if own and name == next(iter(own)):
                 layout.separator()
-            text = presets.title_of(name)
+            text = title_of(name)
             layout.operator("lumenray.set_paint_preset", text=text).preset = name
 
 
@@ -92,11 +94,7 @@ class LUMENRAY_PT_paint(PaintPanel, bpy.types.Panel):
     def draw(self, context):
         layout = self.layout
         settings = context.material.lumenray.paint
-        row = layout.row(align=True)
-        row.menu("LUMENRAY_MT_paint_presets", text=settings.name or "Presets")
-        row.operator("lumenray.add_paint_preset", text="", icon="ADD")
-        row.operator("lumenray.load_paint", text="", icon="FILEBROWSER")
-        row.operator("lumenray.save_paint", text="", icon="FILE_TICK")
+        draw_presets(layout, settings.name, "paint", has_own=True)
         state = tables.paint_tables.state_of(settings)
         if state.problem:
             draw_problem(layout, context, state.problem, readout.REMEDY)
@@ -108,9 +106,7 @@ class LUMENRAY_PT_paint(PaintPanel, bpy.types.Panel):
                 lambda side, is_dark: preview.pictures.icon(reading, min(side, 256), is_dark),
                 preview.pictures.noun,
             )
-        if state.reading is None and not state.problem:
-            percent = f" ({100.0 * state.share:.0f} %)" if state.share else ""
-            layout.label(text=f"The table is being computed…{percent}", icon="TIME")
+        draw_progress(layout, state)
         column = layout.column()
         column.use_property_split = True
         column.prop(settings, "use_sparkle")

@@ -14,15 +14,18 @@ from ...engine.cloth.thread_walk import ThreadOptics, walk_inside
 from ...engine.cloth.woven import weave
 from ...engine.reading.whole_file import write_whole
 from ...engine.scattering.data.evaluation import measure_reciprocity, totals
+from ...engine.scattering.data.record import SIDES
 from ...libraries import cloths
 from ..common.bars import Bar
 from ..common.machine import describe_machine
 from ..common.output import read_numbers, write_numbers
 from ..common.parts import measure_parts
 from . import numpy_walk, values
+from .direct import compare_directly
 from .document import describe
+from .uses import compute, light_behind, sheen_like
 
-PARTS = ("reference", "photons", "woven")
+PARTS = ("reference", "photons", "woven", "direct", "presets", "curtain", "sheen")
 
 SIGMAS = 4.0
 
@@ -47,6 +50,14 @@ WOVEN = "red_cotton"
 
 PIXELS, SAMPLES = 64, 384
 """Of the close-up."""
+
+LIGHTS, WINDOWS, DIRECT_RAYS = 40, 250, 25_000
+"""Of T5: directions of light, windows of each, and rays of each."""
+
+CURTAINS = ("voile", "screen_5")
+
+BRIGHT_WAVELENGTH = 640.0
+"""Where the red cotton reflects most. [nm]"""
 
 __all__ = ["PARTS", "check_bars", "read_results", "run", "write_results"]
 
@@ -78,9 +89,13 @@ def run(parts=None, say=lambda text: None, earlier: dict | None = None) -> dict:
         "reference": _measure_reference,
         "photons": _measure_photons,
         "woven": _measure_woven,
+        "direct": _measure_direct,
+        "presets": _measure_presets,
+        "curtain": _measure_curtain,
+        "sheen": _measure_sheen,
     }
     made = measure_parts(measures, parts, earlier, say)
-    reference, photons, woven = (made.get(name) for name in PARTS)
+    reference, photons, woven = (made.get(name) for name in PARTS[:3])
     return {
         "reference_failed": None
         if reference is None
@@ -181,6 +196,48 @@ def _measure_woven(say) -> dict:
     }
 
 
+def _measure_direct(say) -> dict:
+    cloth = read_cloth(cloths.presets()[WOVEN])
+    say(f"{cloth.name}: tables against light sent anew")
+    woven = compute(WOVEN)
+    sides = {side: getattr(woven.surface, side) for side in SIDES}
+    return {"cloth": cloth.name} | compare_directly(
+        cloth, sides, LIGHTS, WINDOWS, DIRECT_RAYS, wavelength=BRIGHT_WAVELENGTH
+    )
+
+
+def _measure_presets(say) -> dict:
+    rows = {}
+    for name in cloths.presets():
+        say(name)
+        start = time.process_time()
+        woven = compute(name)
+        rows[name] = asdict(woven.sheet) | {
+            "rays": woven.rays,
+            "table_error": woven.table_error,
+            "seconds": time.process_time() - start,
+        }
+    return rows
+
+
+def _measure_curtain(say) -> dict:
+    made = {}
+    for name in CURTAINS:
+        say(f"behind {name}")
+        made[name] = light_behind(compute(name))
+    return made
+
+
+def _measure_sheen(say) -> dict:
+    say("a sheen for a cloth")
+    return {"cloth": WOVEN} | sheen_like(compute(WOVEN), BRIGHT_WAVELENGTH)
+
+
+def _beyond(own: dict[str, float]) -> float:
+    """How far a map is off its table's transmittance by more than the standard error of that. [%]"""
+    return 100.0 * max(abs(own["map"] - own["table"]) - own["table_error"], 0.0) / own["table"]
+
+
 def check_bars(result: dict) -> list[Bar]:
     """Demands, and whether they are met."""
 
@@ -190,7 +247,7 @@ def check_bars(result: dict) -> list[Bar]:
         return Bar(demand, limit, format(value, form), bool(passes(value)))
 
     failed = result["reference_failed"]
-    photons, woven = (result["parts"].get(name) for name in PARTS[1:])
+    photons, woven, direct, _, curtain, _ = (result["parts"].get(name) for name in PARTS[1:])
     hsv = woven and woven["hsv"]
     return [
         bar("reference values apart", "none", None if failed is None else len(failed), "d", lambda v: v == 0),
@@ -205,6 +262,28 @@ def check_bars(result: dict) -> list[Bar]:
             hsv and hsv["transmission"][1] / hsv["reflection"][1],
             ".3f",
             lambda v: v > 1.0,
+        ),
+        bar(
+            "both ways of light",
+            "2 %",
+            woven and 100.0 * max(woven["reciprocity"].values()),
+            ".2f",
+            lambda v: v <= 2.0,
+        ),
+        bar(
+            "tables against light sent anew: the mean",
+            "2 %",
+            direct and 100.0 * max(abs(direct[part]["mean"]) for part in ("reflection", "transmission")),
+            ".2f",
+            lambda v: v <= 2.0,
+        ),
+        bar(
+            "lux map behind a curtain against the table, beyond the table's standard error",
+            "1 %",
+            curtain
+            and max(_beyond(each) for own in curtain.values() for each in own.values()),
+            ".2f",
+            lambda v: v <= 1.0,
         ),
     ]  # fmt: skip
 

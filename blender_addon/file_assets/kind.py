@@ -18,9 +18,10 @@ class NoFileError(LumenrayError):
 
 
 class NotReadyError(LumenrayError):
-    """A file is being read; ``share`` of the work is done."""
+    """A file is being read; ``share`` of the work is done, and the rest takes the time ``left``, if it is known. [s]"""
 
     share = 0.0
+    left: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,6 +34,7 @@ class State:
     notice : str    Where the file is kept, and whether it was edited.
     reading : object or None    None if none is chosen, it is being read, or cannot be used.
     share : float    Of the work that is done while it is being read.
+    left : float or None    Forecast of how long the rest takes. [s]
     problem : str    Why it cannot be used, empty if it can.
     """
 
@@ -40,6 +42,7 @@ class State:
     notice: str = ""
     reading: Any = None
     share: float = 0.0
+    left: float | None = None
     problem: str = ""
 
 
@@ -159,7 +162,7 @@ class FileKind:
         job = self._shelf.job(key, lambda: self._guarded(prepare()), owner)
         if not is_patient and not job.future.done():
             error = NotReadyError(self.under_way.format(share=100.0 * job.share))
-            error.share = job.share
+            error.share, error.left = job.share, job.left
             raise error
         try:
             return job.future.result()
@@ -177,7 +180,7 @@ class FileKind:
         try:
             return State(name, place, self.obtain(settings, is_patient=False))
         except NotReadyError as error:
-            return State(name, place, share=error.share)
+            return State(name, place, share=error.share, left=error.left)
         except LumenrayError as error:
             problem = str(error).removeprefix(f"{self.absolute_path(settings)}: ")
             return State(name, place, problem=problem)

@@ -25,6 +25,7 @@ class Job:
     Attributes
     ----------
     share : float    Of the work that is done, as far as whoever reads tells it.
+    left : float or None    Forecast of the time that it still takes, likewise. [s]
     size : int    What it counts for among what is kept.
     stop : threading.Event    Set when nobody wants it any more.
     future : Future    Of its reading.
@@ -33,14 +34,15 @@ class Job:
 
     def __init__(self):
         self.share = 0.0
+        self.left: float | None = None
         self.size = 1
         self.stop = threading.Event()
         self.future = Future()
         self.is_told = False
 
-    def tell(self, share: float) -> None:
-        """Note how much of the work is done."""
-        self.share = share
+    def tell(self, share: float, left: float | None = None) -> None:
+        """Note how much of the work is done, and for how long it still goes on if that is known. [s]"""
+        self.share, self.left = share, left
 
 
 class Shelf:

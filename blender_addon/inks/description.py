@@ -1,11 +1,8 @@
 """Compositions between settings and the JSON that describes them; what panels do not edit goes through unchanged."""
 
-import hashlib
 import json
-import math
 
-SAME = 1e-6
-"""Relative difference up to which a number is the one that was stated: settings hold single precision."""
+from ..compositions.description import is_same, read, rounded, to_text, write
 
 LAYER = {
     "thickness_um": ("thickness_um",),
@@ -27,9 +24,9 @@ def describe(settings) -> dict:
     if settings.name:
         content["name"] = settings.name
     for name, path in LAYER.items():
-        stated, value = _read(content, path), getattr(settings, name)
-        if layer_states(settings, name) and not _is_same(stated, value):
-            _write(content, path, _rounded(value))
+        stated, value = read(content, path), getattr(settings, name)
+        if layer_states(settings, name) and not is_same(stated, value):
+            write(content, path, rounded(value))
     content["pigments"] = [_describe_pigment(each) for each in settings.pigments]
     return content
 
@@ -40,7 +37,7 @@ def adopt(settings, content: dict) -> None:
     settings.name = content.get("name", "")
     for name, path in LAYER.items():
         if layer_states(settings, name):
-            setattr(settings, name, _read(content, path))
+            setattr(settings, name, read(content, path))
     settings.pigments.clear()
     for pigment in content.get("pigments", []):
         own = settings.pigments.add()
@@ -51,7 +48,7 @@ def adopt(settings, content: dict) -> None:
 
 def layer_states(settings, name: str) -> bool:
     """Tell whether one number states what a setting edits, and not a table or a name."""
-    stated = _read(
+    stated = read(
         FALLBACK | {"substrate": {"reflectance": 0.9}} | json.loads(settings.content or "{}"),
         LAYER[name],
     )
@@ -63,45 +60,11 @@ def name_of(pigment) -> str:
     return json.loads(pigment.content or "{}").get("name") or "Pigment"
 
 
-def to_text(content: dict) -> str:
-    """Return a description as JSON text, the same for the same content."""
-    return json.dumps(content, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
-
-
-def digest_of(content: dict, quality: str) -> str:
-    """Return SHA-256 of a description and how finely it is solved, in hexadecimal."""
-    return hashlib.sha256(f"{quality} {to_text(content)}".encode()).hexdigest()
-
-
 def _describe_pigment(settings) -> dict:
     content = {"index": 1.4} | json.loads(settings.content or "{}")
     for name, fallback in PIGMENT.items():
         value, stated = getattr(settings, name), content.get(name, fallback)
-        if not _is_same(stated, value):
-            content[name] = _rounded(value)
+        if not is_same(stated, value):
+            content[name] = rounded(value)
     content.setdefault("volume_fraction", 0.0)
     return content
-
-
-def _read(content: dict, path):
-    for name in path:
-        content = content.get(name) if isinstance(content, dict) else None
-    return content
-
-
-def _write(content: dict, path, value) -> None:
-    if len(path) == 1:
-        content[path[0]] = value
-    else:
-        content[path[0]] = content[path[0]] | {path[1]: value}
-
-
-def _is_same(stated, value) -> bool:
-    if isinstance(value, str):
-        return stated == value
-    return math.isclose(stated, value, rel_tol=SAME, abs_tol=1e-12)
-
-
-def _rounded(value):
-    """A number of single precision as people would write it."""
-    return value if isinstance(value, str) else float(f"{value:.7g}")

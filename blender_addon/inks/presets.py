@@ -16,11 +16,6 @@ def shipped() -> dict[str, Path]:
     return inks.presets()
 
 
-def title_of(name: str) -> str:
-    """Return the name of a preset for people."""
-    return name.replace("_", " ").capitalize()
-
-
 def load(settings, path) -> None:
     """Let settings state the layer of a file.
 

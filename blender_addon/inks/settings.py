@@ -4,23 +4,18 @@ from bpy.props import (
     CollectionProperty,
     EnumProperty,
     FloatProperty,
-    FloatVectorProperty,
     StringProperty,
 )
 from bpy.types import PropertyGroup
 
+from ..compositions.settings import content_property, quality_property, swatch_property
 from ..foundation.settings import tag_owner
-
-
-def _content():
-    """What a description states beside what panels edit, as JSON text."""
-    return StringProperty(description="What else the description states", options={"HIDDEN"})
 
 
 class LumenrayInkPigment(PropertyGroup):
     """A pigment of a layer."""
 
-    content: _content()
+    content: content_property()
     volume_fraction: FloatProperty(
         name="Volume",
         description="Share of the layer's volume, 0 to 0.6. Default 0.3: as printed",
@@ -67,37 +62,20 @@ class LumenrayInkPigment(PropertyGroup):
     )
 
 
-def _swatch():
-    def colour(self):
-        from .readout import swatch
+def _colour(self):
+    from .readout import swatch
 
-        return swatch(self)
-
-    return FloatVectorProperty(
-        name="Colour",
-        description="Colour at 45:0 in daylight, as far as a screen shows it",
-        subtype="COLOR",
-        size=3,
-        min=0.0,
-        max=1.0,
-        get=colour,
-    )
+    return swatch(self)
 
 
 class LumenrayInkSettings(PropertyGroup):
     """Composition of a pigment layer; it counts where the material's model is one."""
 
     name: StringProperty(name="Name", description="Name of the layer, for people", update=tag_owner)
-    content: _content()
-    quality: EnumProperty(
-        name="Quality",
-        description="How finely waves are solved. Default Draft: for a look, in seconds to minutes",
-        items=[
-            ("DRAFT", "Draft", "A coarse grid, half the bands, few angles and realisations"),
-            ("FINAL", "Final", "As the description says; takes many times as long"),
-        ],
-        default="DRAFT",
-        update=tag_owner,
+    content: content_property()
+    quality: quality_property(
+        "A coarse grid, half the bands, few angles and realisations",
+        "As the description says; takes many times as long",
     )
     thickness_um: FloatProperty(
         name="Thickness [µm]",
@@ -128,7 +106,9 @@ class LumenrayInkSettings(PropertyGroup):
         update=tag_owner,
     )
     pigments: CollectionProperty(type=LumenrayInkPigment)
-    swatch: _swatch()
+    swatch: swatch_property(
+        "Colour", "Colour at 45:0 in daylight, as far as a screen shows it", _colour
+    )
 
 
 CLASSES = (LumenrayInkPigment, LumenrayInkSettings)

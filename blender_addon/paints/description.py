@@ -1,6 +1,5 @@
 """Compositions between settings and the JSON that describes them; what panels do not edit goes through unchanged."""
 
-import hashlib
 import json
 import math
 from collections.abc import Callable
@@ -8,12 +7,10 @@ from dataclasses import dataclass
 
 from ...engine.paint.composition import Diameters
 from ...engine.paint.reader import TILT, known_constituents
+from ..compositions.description import is_same, rounded, scaled, to_text
 
 VERSION = 1
 """Of descriptions."""
-
-SAME = 1e-6
-"""Relative difference up to which a number is the one that was stated: settings hold single precision."""
 
 
 def describe(settings) -> dict:
@@ -60,16 +57,6 @@ def adopt_part(settings, kind: str, content: dict) -> None:
     if "amount" in whole:
         ((settings.amount_kind, settings.amount),) = whole["amount"].items()
     _fill(settings, PARTS[kind], whole)
-
-
-def to_text(content: dict) -> str:
-    """Return a description as JSON text, the same for the same content."""
-    return json.dumps(content, sort_keys=True, separators=(",", ":"), ensure_ascii=False)
-
-
-def digest_of(content: dict) -> str:
-    """Return SHA-256 of a description, in hexadecimal."""
-    return hashlib.sha256(to_text(content).encode()).hexdigest()
 
 
 def whole_of(content: dict, kind: str) -> dict:
@@ -134,8 +121,8 @@ def _describe_part(settings, kind: str) -> dict:
     whole = whole_of(content, kind)
     if "amount" in whole:
         ((name, value),) = whole["amount"].items()
-        if name != settings.amount_kind or not _is_same(value, settings.amount):
-            content["amount"] = {settings.amount_kind: _rounded(settings.amount)}
+        if name != settings.amount_kind or not is_same(value, settings.amount):
+            content["amount"] = {settings.amount_kind: rounded(settings.amount)}
     _edit(content, settings, PARTS[kind], whole)
     return content
 
@@ -144,8 +131,8 @@ def _edit(content: dict, settings, fields: dict, whole: dict) -> None:
     """Change a content where settings differ from what it states."""
     for name, field in fields.items():
         stated, value = field.read(whole), getattr(settings, name)
-        if stated is not None and not _is_same(stated, value):
-            field.write(content, _rounded(value), whole)
+        if stated is not None and not is_same(stated, value):
+            field.write(content, rounded(value), whole)
 
 
 def _fill(settings, fields: dict, content: dict) -> None:
@@ -153,15 +140,6 @@ def _fill(settings, fields: dict, content: dict) -> None:
         value = field.read(content)
         if value is not None:
             setattr(settings, name, value)
-
-
-def _is_same(stated: float, value: float) -> bool:
-    return math.isclose(stated, value, rel_tol=SAME, abs_tol=1e-12)
-
-
-def _rounded(value: float) -> float:
-    """A number of single precision as people would write it."""
-    return float(f"{value:.7g}")
 
 
 def _number(content: dict, name: str, default: float | None = None):
@@ -204,7 +182,7 @@ def _write_spread(content, value, whole):
     # The median may have been changed just before.
     median = _read_diameters(content if "diameter" in content else whole).median_um
     if median > 0.0:
-        content["diameter"] = {"median_um": _rounded(median), "log_spread": value}
+        content["diameter"] = {"median_um": rounded(median), "log_spread": value}
 
 
 def _read_core(content):
@@ -243,18 +221,12 @@ def _read_dye(content):
 
 def _write_dye(content, value, _whole):
     binder = content["binder"]
-    content["binder"] = binder | {"absorption_per_mm": _scaled(binder["absorption_per_mm"], value)}
+    content["binder"] = binder | {"absorption_per_mm": scaled(binder["absorption_per_mm"], value)}
 
 
 def _write_strength(content, value, whole):
     medium = whole["medium"]
-    content["medium"] = medium | {"extinction_per_um": _scaled(medium["extinction_per_um"], value)}
-
-
-def _scaled(spectrum, factor: float):
-    if isinstance(spectrum, dict):
-        return spectrum | {"values": [_rounded(factor * each) for each in spectrum["values"]]}
-    return _rounded(factor * spectrum)
+    content["medium"] = medium | {"extinction_per_um": scaled(medium["extinction_per_um"], value)}
 
 
 def _write_substrate(content, value, _whole):

@@ -32,11 +32,6 @@ def own_folder() -> Path:
     return Path(bpy.utils.user_resource("SCRIPTS", path=f"presets/{FOLDER}"))
 
 
-def title_of(name: str) -> str:
-    """Return the name of a preset for people."""
-    return name.replace("_", " ").capitalize()
-
-
 def load(settings, path, constituents: dict | None = None) -> None:
     """Let settings state the paint of a file.
 

@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 from ...engine.errors import LumenrayError
 from ...imports import loaded_when_used
+from ..compositions.description import digest_of
 from ..file_assets.pictures import Pictures
 
 with loaded_when_used():
@@ -27,7 +28,7 @@ class Described:
 def described(settings) -> Described:
     """Return what settings state."""
     content = description.describe(settings)
-    return Described(description.digest_of(content), content)
+    return Described(digest_of(content), content)
 
 
 def draw_sphere(reading: Described, side: int, is_dark: bool):

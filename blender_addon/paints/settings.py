@@ -10,12 +10,12 @@ from bpy.props import (
     CollectionProperty,
     EnumProperty,
     FloatProperty,
-    FloatVectorProperty,
     IntProperty,
     StringProperty,
 )
 from bpy.types import PropertyGroup
 
+from ..compositions.settings import content_property, swatch_property
 from ..foundation.settings import tag_owner
 from .angles import STRIP
 
@@ -25,11 +25,6 @@ AMOUNTS = [
     ("volume_fraction", "Share of Volume", "Of the dry layer", 2),
     ("area_per_volume_per_um", "Area by Volume", "One face of the flakes by volume of the layer, in 1/µm", 3),
 ]  # fmt: skip
-
-
-def _content():
-    """What a description states beside what panels edit, as JSON text."""
-    return StringProperty(description="What else the description states", options={"HIDDEN"})
 
 
 def _amount_kind(default: str, items):
@@ -62,7 +57,7 @@ def _amount(default: float, most: float):
 class LumenrayPaintFlakes(PropertyGroup):
     """Flakes of one kind in a layer."""
 
-    content: _content()
+    content: content_property()
     amount_kind: _amount_kind("binder_mass_ratio", AMOUNTS)
     amount: _amount(0.1, 10.0)
     tilt: FloatProperty(
@@ -125,7 +120,7 @@ class LumenrayPaintFlakes(PropertyGroup):
 class LumenrayPaintPigment(PropertyGroup):
     """A pigment in a layer."""
 
-    content: _content()
+    content: content_property()
     amount_kind: _amount_kind("volume_fraction", AMOUNTS[:3])
     amount: _amount(0.01, 10.0)
     strength: FloatProperty(
@@ -144,7 +139,7 @@ class LumenrayPaintLayer(PropertyGroup):
     """A layer of a paint."""
 
     name: StringProperty(name="Name", description="Name of the layer, for people", update=tag_owner)
-    content: _content()
+    content: content_property()
     thickness_um: FloatProperty(
         name="Thickness [µm]",
         description="Of the dry layer, in micrometres. Default 15: a base coat",
@@ -184,16 +179,10 @@ def _swatch(number: int):
 
         return swatch(self, number)
 
-    return FloatVectorProperty(
-        name=f"{STRIP[number]}°",
-        description=(
-            f"Colour {STRIP[number]}° from the mirror direction, in light at 45° of daylight, as far as a screen shows it"
-        ),
-        subtype="COLOR",
-        size=3,
-        min=0.0,
-        max=1.0,
-        get=colour,
+    return swatch_property(
+        f"{STRIP[number]}°",
+        f"Colour {STRIP[number]}° from the mirror direction, in light at 45° of daylight, as far as a screen shows it",
+        colour,
     )
 
 
@@ -201,7 +190,7 @@ class LumenrayPaintSettings(PropertyGroup):
     """Composition of a paint; it counts where the material's model is a paint."""
 
     name: StringProperty(name="Name", description="Name of the paint, for people", update=tag_owner)
-    content: _content()
+    content: content_property()
     layers: CollectionProperty(type=LumenrayPaintLayer)
     layer_index: IntProperty(
         name="Active Layer", description="Layer whose parts are shown below the list", default=0

@@ -45,6 +45,7 @@ def compute_cloth(options):
     cloth = composition(options.file)
     backend.start(spectral=False)
     # Its arrays are of the variant that has been started.
-    from ...engine.cloth.woven import RAYS, weave
+    from ...engine.cloth.plan import RAYS
+    from ...engine.cloth.woven import weave
 
     return weave(cloth, rays=options.rays or RAYS, seed=options.seed, is_mean=options.mean)

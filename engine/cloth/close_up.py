@@ -75,13 +75,16 @@ def draw_close_up(
 
     Parameters
     ----------
-    pixels : int    Along the weft; along the warp as many as the repeat is longer.
+    pixels : int
+        Along the weft, about: as many for each end of the warp; along the warp as many as the repeat is longer.
     samples : int    Rays of each pixel, at least.
     view : (3,) array    Towards the eye.
     """
     maker = Maker(cloth, np.asarray(wavelengths, np.float64), 1, seed, exits)
     width, depth = size = maker.scenes[0].tubes.size
-    rows = max(1, round(pixels * depth / width))
+    ends, picks = cloth.weave.is_warp_up.shape
+    rows = picks * max(1, round(pixels * depth / width / picks))
+    pixels = ends * max(1, round(pixels / ends))
     # As many of each pixel at every wavelength that is followed, or pixels would differ in colour.
     samples = maker.anchors * -(-samples // maker.anchors)
     total = rows * pixels * samples
@@ -106,8 +109,21 @@ def draw_close_up(
             values[:, band] += np.bincount(pixel, weight[:, band], rows * pixels)
     mean = values.sum(axis=0) / total
     error = np.sqrt(np.maximum(squares / total - mean**2, 0.0) / total)
-    values = (values / samples).reshape(rows, pixels, -1)[::-1]
+    values = _evened((values / samples).reshape(rows, pixels, -1), cloth)[::-1]
     return CloseUp(values, error, size, maker.wavelengths)
+
+
+def _evened(values: np.ndarray, cloth: Cloth) -> np.ndarray:
+    """Mean over all shifts of a repeat by whole crossings that change nothing of its weave, as rays see the same there."""
+    up = cloth.weave.is_warp_up
+    ends, picks = up.shape
+    shifts = [(0, 0)]
+    # Ends of a pile stand where they happen to.
+    if cloth.pile is None:
+        shifts = [s for s in np.ndindex(ends, picks) if np.array_equal(np.roll(up, s, (0, 1)), up)]
+    rows, columns = values.shape[0] // picks, values.shape[1] // ends
+    copies = [np.roll(values, (pick * rows, end * columns), (0, 1)) for end, pick in shifts]
+    return np.mean(copies, axis=0)
 
 
 def seen_from_afar(

@@ -70,6 +70,20 @@ def parse_cloth(content: dict, path="cloth") -> Cloth:
     return Cloth(warp, weft, weave, pile, *words, content)
 
 
+def rows_of(pattern: np.ndarray) -> list[str]:
+    """Pattern of a weave as ``weave.rows`` of a description. (i, j) bool"""
+    return ["".join("X" if is_up else "." for is_up in row) for row in pattern.T]
+
+
+def whole_content(cloth: Cloth) -> dict:
+    """Description of a cloth that names no other file."""
+    weave = cloth.content["weave"]
+    if "bitmap" not in weave:
+        return cloth.content
+    weave = {name: value for name, value in weave.items() if name != "bitmap"}
+    return cloth.content | {"weave": weave | {"rows": rows_of(cloth.weave.is_warp_up)}}
+
+
 def _check_width(yarn: Yarn, pitch: float, place: str) -> None:
     if yarn.width_mm > pitch:
         raise ValueError(

@@ -8,13 +8,12 @@ References
 EN 14500:2021: Blinds and shutters - Thermal and visual comfort. EN 410:2011 for the weights.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from ..photometry.colour import XYZ_TO_REC709
 from ..photometry.spectra import GRID, illuminant, luminous_efficiency, observer
 from ..scattering.data.evaluation import totals
+from .surface import Sheet
 from .woven import Woven
 
 STEPS = 24
@@ -22,34 +21,6 @@ STEPS = 24
 
 TURNS = 8
 """Rotations of the light over which diffuse shares are averaged."""
-
-
-@dataclass(frozen=True)
-class Sheet:
-    """Numbers of a data sheet.
-
-    Parameters
-    ----------
-    openness : float    Straight share of light along the normal. [-]
-    transmittance, reflectance, back_reflectance : float    Visible, of light along the normal, to all directions. [-]
-    diffused : float    Part of the transmittance that does not go straight. [-]
-    diffuse_transmittance, diffuse_reflectance : float    Visible, of light from everywhere onto the front. [-]
-    cutoff_warp_deg, cutoff_weft_deg : float
-        Angle from which on no direct light passes, light coming along the warp, and along the weft. [deg]
-    transmittance_error, reflectance_error : float    Standard errors of those along the normal. [-]
-    """
-
-    openness: float
-    transmittance: float
-    reflectance: float
-    back_reflectance: float
-    diffused: float
-    diffuse_transmittance: float
-    diffuse_reflectance: float
-    cutoff_warp_deg: float
-    cutoff_weft_deg: float
-    transmittance_error: float
-    reflectance_error: float
 
 
 def visible_weights(wavelengths) -> np.ndarray:

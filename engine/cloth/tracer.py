@@ -23,8 +23,11 @@ from .records import DrawnExits
 from .thread_walk import ThreadOptics, random_numbers
 from .tubes import ABOUT, CORNERS, Tubes, girths, make_triangles
 
-CHUNK = 4
-"""Steps after which rays that have left are put aside, so that the others do not wait for them."""
+FIRST_CHUNK, LARGEST_CHUNK = 4, 64
+"""Steps after which rays that have left are put aside, so that the others do not wait for them.
+
+Of those that are still there most stay long, so each chunk is twice the one before; a pile holds some for hundreds of steps.
+"""
 
 MOST_STEPS = 4000
 """Steps, from yarn to yarn or to a side of what is there of them, after which a ray counts as lost."""
@@ -130,13 +133,17 @@ class WovenScene:
         ways = [mi.Float(zero) for _ in range(KINDS)]
         state = [x, y, z, *heading, *ways, dr.zeros(mi.Bool, count), none, mi.UInt32(none)]
         found = [dr.zeros(type(each), count) for each in state]
-        for chunk in range(MOST_STEPS // CHUNK):
+        done, size, part = 0, FIRST_CHUNK, 0
+        while done < MOST_STEPS:
+            part += 1
             inside = dr.full(mi.Bool, True, dr.width(place))
-            stream = random_numbers(seed, chunk + 1, place)
+            stream = random_numbers(seed, part, place)
             state[-1] = dr.zeros(mi.UInt32, dr.width(place))
+            # Opaque, or each size would be a kernel of its own.
+            steps = dr.opaque(mi.UInt32, size)
             inside, _, *state = dr.while_loop(
                 (inside, stream, *state),
-                lambda inside, *rest: inside & (rest[-1] < CHUNK),
+                lambda inside, *rest, steps=steps: inside & (rest[-1] < steps),
                 partial(self._step, place % dr.opaque(mi.UInt32, self.anchors)),
                 label="rays in a cloth",
             )
@@ -149,6 +156,7 @@ class WovenScene:
                 break
             place, *state = (dr.gather(type(each), each, rest) for each in (place, *state))
             dr.eval(place, *state)
+            done, size = done + size, min(2 * size, LARGEST_CHUNK)
         lost = dr.zeros(mi.Bool, count)
         if dr.width(place):
             dr.scatter(lost, mi.Bool(True), place)

@@ -1,8 +1,8 @@
 """What a woven cloth reflects and lets through, as the tables of a measured material on both sides.
 
 Rays come from each direction of the table. Where they leave is counted on the disk of directions' x and y, of which equal
-areas are equal projected solid angles, and read off at the table's directions; tables are scaled to the light that was
-counted exactly. What met no yarn passes straight and stands in the tables' direct part.
+areas are equal projected solid angles, and `tabulation` reads them off at the table's directions. What met no yarn passes
+straight and stands in the tables' direct part.
 
 Clear yarns send light along narrow arcs. So a table's rotations and azimuths hold means weighted by how much they count in
 between, and a mean over turns of the light or of the eye is that of the cloth.
@@ -10,7 +10,7 @@ between, and a mean over turns of the light or of the eye is that of the cloth.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 import drjit as dr
@@ -20,39 +20,17 @@ import numpy as np
 from ..errors import SceneError
 from ..reading.remarks import Remark
 from ..scattering.data.record import ScatteringFile
-from ..scattering.data.table import albedos_of, direction_of
+from ..scattering.data.surface import ROUNDING, excess_of
 from ..scattering.data.tree import square_of
 from ..scene.material import Measured
 from ..scene.scattering import ScatterTable
 from .composition import Cloth
 from .matter import ANCHORS, WAVELENGTHS, absorption, anchor_weights, thread_optics
+from .plan import INCIDENCES, QUARTER, RAYS, ROUND, is_alike
 from .records import EXITS, DrawnExits, recorded
+from .tabulation import BLUR, CELLS, Counted, tabulate
 from .tracer import KINDS, WovenScene
 from .tubes import lay_out, lay_out_straight
-
-INCIDENCES = np.radians([0.0, 15.0, 30.0, 45.0, 60.0, 70.0, 80.0, 87.0])
-"""Angles of incidence of tables. [rad]"""
-
-RADIALS = np.radians([0, 8, 16, 24, 34, 45, 57, 70, 85, 100, 120, 140, 160, 180.0])
-
-AZIMUTH_STEP = np.radians(15.0)
-
-AZIMUTHS = AZIMUTH_STEP * np.arange(25)
-
-QUARTER, ROUND = np.radians(np.arange(0.0, 91.0, 15.0)), np.radians(np.arange(0.0, 360.0, 30.0))
-"""Rotations of orthotropic cloths, and of others. [rad]"""
-
-RAYS = 120_000
-"""Rays of each direction."""
-
-CELLS = 20
-"""Cells along the sides of the square that the disk of directions is mapped to."""
-
-BLUR = 0.8
-"""Standard deviation by which counts are smoothed. [cell]"""
-
-LOWEST = np.cos(np.radians(89.0))
-"""Directions below take the value there, so that what lies below the horizon does not count as dark."""
 
 CUTOFF_TILTS = np.radians(np.arange(0.5, 90.0, 0.5))
 """Angles of incidence among which the one is sought from which on no light passes straight. [rad]"""
@@ -65,9 +43,6 @@ NEAR_NOTHING = 1e-3
 
 MOST_LOST = 1e-3
 """Share of rays that may be given up."""
-
-FLOOR = 0.05
-"""Share of the largest albedo over pi that is added to values where errors are told relative to them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,6 +110,15 @@ class Woven:
             notes.append("the mean of warp and weft, each straight as if the other were not there")
         if any(abs(yarn.width_mm - yarn.height_mm) > 1e-9 for yarn in self.cloth.yarns):
             notes.append("light in flat yarns goes as in round ones with the same mean way")
+        excess = max(
+            excess_of(*(self.sides[f"{light}_{part}"] for part in ("reflection", "transmission")))
+            for light in ("front", "back")
+        )
+        if excess > 1.0 + ROUNDING:
+            notes.append(
+                f"between its angles of incidence up to {100.0 * (excess - 1.0):.2g} % too much light leaves it; where "
+                "light is computed with it, it is scaled down there"
+            )
         if self.lost > 0.0:
             notes.append(f"{100 * self.lost:.2g} % of the rays were given up and count as absorbed")
         return notes
@@ -167,17 +151,15 @@ def weave(
     """
     maker = Maker(cloth, np.asarray(wavelengths, np.float64), rays, seed, exits, is_mean)
     lights = ("front",) if maker.is_alike else ("front", "back")
-    sides, absorbed, errors = {}, {}, {}
-    for number, light in enumerate(lights):
-        found = maker.count(light == "front", lambda s: report((number + s) / len(lights)))  # noqa: B023
-        for part in ("reflection", "transmission"):
-            sides[f"{light}_{part}"], errors[f"{light}_{part}"] = maker.tabulate(found, part)
-        absorbed[light] = found.absorbed
-    if maker.is_alike:
-        for part in ("reflection", "transmission"):
-            sides[f"back_{part}"] = sides[f"front_{part}"]
-            errors[f"back_{part}"] = errors[f"front_{part}"]
-        absorbed["back"] = absorbed["front"]
+    counted = {
+        light: maker.count(light == "front", lambda s: report((number + s) / len(lights)))  # noqa: B023
+        for number, light in enumerate(lights)
+    }
+    # The back of a cloth that is alike is its front.
+    counted.setdefault("back", counted["front"])
+    sides = tabulate(counted, maker.rotations, maker.wavelengths, maker.is_alike)
+    errors = {side: maker.spread_of(counted, side) for side in sides}
+    absorbed = {light: each.absorbed for light, each in counted.items()}
     if maker.lost > MOST_LOST:
         raise SceneError(
             f"'{cloth.name}': {100 * maker.lost:.2g} % of the rays found no way out, expected {100 * MOST_LOST:g} % at most"
@@ -199,16 +181,6 @@ def cutoff_angles(scene: WovenScene, seed: int = 0) -> tuple[float, float]:
     return found[0], found[1]
 
 
-@dataclass
-class _Counted:
-    """Light that left: by rotation, incidence, half of the rays, cell and band; and straight, by rotation and incidence."""
-
-    reflection: np.ndarray
-    transmission: np.ndarray
-    straight: np.ndarray
-    absorbed: np.ndarray
-
-
 class Maker:
     """Sends light onto a cloth and makes tables of where it leaves. Parameters as of `weave`."""
 
@@ -218,7 +190,7 @@ class Maker:
         self.cloth, self.wavelengths, self.seed = cloth, wavelengths, seed
         yarns = [*cloth.yarns, cloth.warp][:KINDS]
         anchors = ANCHORS
-        if all(_is_alike(yarn) for yarn in yarns):
+        if all(_is_clear(yarn) for yarn in yarns):
             anchors = ANCHORS[1:2]
         optics = [[thread_optics(yarn, anchor) for yarn in yarns] for anchor in anchors]
         records = [recorded(each, exits, seed) for row in optics for each in row]
@@ -230,16 +202,15 @@ class Maker:
         self.weights = len(anchors) * anchor_weights(anchors, wavelengths)
         block = 2 * len(anchors) * len(self.scenes)
         self.rays = block * max(1, round(rays / block))
-        # Yarns of one kind of plain weave change places when it is turned over.
-        self.is_alike = is_mean or (cloth.weave.is_orthotropic and cloth.pile is None)
+        self.is_alike = is_mean or is_alike(cloth)
         self.rotations = QUARTER if self.is_alike else ROUND
         self.lost, self.sent, self.given_up = 0.0, 0, 0
 
-    def count(self, is_front: bool, report) -> _Counted:
+    def count(self, is_front: bool, report) -> Counted:
         """Send light onto one side from all directions of a table."""
         shape = len(self.rotations), len(INCIDENCES)
         cells = (*shape, 2, CELLS * CELLS, len(self.wavelengths))
-        found = _Counted(
+        found = Counted(
             np.zeros(cells), np.zeros(cells), np.zeros(shape), np.zeros((*shape, cells[-1]))
         )
         parts = found.reflection, found.transmission, found.straight, found.absorbed
@@ -301,6 +272,13 @@ class Maker:
         weight *= scattered.mean() / np.maximum(weight.mean(axis=0), 1e-12)
         return weight * np.exp(-ways.T @ self.absorption)
 
+    def spread_of(self, counted: dict[str, Counted], side: str) -> np.ndarray:
+        """Standard errors of the totals of a side. (p, s, w) [-]"""
+        light, part = side.split("_")
+        mean = getattr(counted[light], part).sum(axis=3).mean(axis=2)
+        # Of a share of all rays, counted: never more than that of a ray that is there or not.
+        return np.sqrt(np.maximum(mean * (1.0 - mean), 0.0) * self.anchors / self.rays)
+
     def trace(self, light, count: int, seed: int, places=None):
         """Send the first rays into the first scene, and so on.
 
@@ -324,86 +302,7 @@ class Maker:
             found.append((np.array(made.lost), np.array(made.events), ways, *direction))
         return [np.concatenate(each, axis=-1) for each in zip(*found, strict=True)]
 
-    def tabulate(self, found: _Counted, part: str) -> tuple[ScatterTable, np.ndarray]:
-        """Make the table of what was counted, ``reflection`` or ``transmission``; and standard errors of its totals."""
-        counts = getattr(found, part)
-        total = counts.sum(axis=3)  # (p, s, half, w)
-        i, t, a = np.meshgrid(INCIDENCES, RADIALS, AZIMUTHS, indexing="ij")
-        halves = np.zeros((2, len(self.rotations), *i.shape, len(self.wavelengths)))
-        for shift, share in ((-0.5, 0.25), (0.0, 0.5), (0.5, 0.25)):
-            wo = direction_of(i, t, a + shift * AZIMUTH_STEP)
-            low = wo[..., 2] < LOWEST
-            level = np.hypot(wo[..., 0], wo[..., 1])
-            wo[low, :2] *= (np.sqrt(1.0 - LOWEST**2) / np.maximum(level, 1e-12))[low, None]
-            for p in range(len(self.rotations)):
-                for s in range(len(INCIDENCES)):
-                    for half in range(2):
-                        halves[half, p, s] += share * _read(
-                            counts[p, s, half], wo[s, ..., 0], wo[s, ..., 1]
-                        )
-        direct = None
-        if part == "transmission":
-            direct = np.repeat(found.straight[..., None], len(self.wavelengths), 2).astype(
-                np.float32
-            )
-        made = []
-        for k in range(3):
-            # Both halves, and all of them; each is brought to its own total.
-            values = halves.mean(axis=0) if k == 2 else halves[k]
-            want = total.mean(axis=2) if k == 2 else total[:, :, k]
-            table = ScatterTable(
-                self.rotations,
-                INCIDENCES,
-                RADIALS,
-                AZIMUTHS,
-                self.wavelengths,
-                values.astype(np.float32),
-                direct,
-                is_orthotropic=self.is_alike,
-            )
-            own = albedos_of(table, INCIDENCES, self.rotations)
-            scale = want / np.maximum(own, 1e-12)
-            made.append(
-                replace(table, values=(values * scale[:, :, None, None]).astype(np.float32))
-            )
-        whole = made[2]
-        floor = max(FLOOR * float(total.max()) / np.pi, 1e-9)
-        apart = 0.5 * (made[0].values - made[1].values) / (whole.values + floor)
-        is_above = (direction_of(i, t, a)[..., 2] > 0.0)[None, ..., None]
-        square = np.where(is_above, apart.astype(np.float64) ** 2, 0.0).sum() / (
-            is_above.sum() * apart[0, 0, 0, 0].size * len(self.rotations)
-        )
-        # Of a share of all rays, counted: never more than that of a ray that is there or not.
-        mean = total.mean(axis=2)
-        spread = np.sqrt(np.maximum(mean * (1.0 - mean), 0.0) * self.anchors / self.rays)
-        return replace(whole, error=float(np.sqrt(square))), spread
 
-
-def _is_alike(yarn) -> bool:
+def _is_clear(yarn) -> bool:
     """Whether a yarn scatters at all wavelengths as at the middle one: it has nothing that scatters."""
     return not yarn.scatterers
-
-
-def _read(cells: np.ndarray, x, y) -> np.ndarray:
-    """Values at directions of counts on cells of the disk. (c, w), two (t, a) -> (t, a, w) [1/sr]"""
-    square = cells.reshape(CELLS, CELLS, -1)
-    reach = int(np.ceil(3.0 * BLUR))
-    weights = np.exp(-0.5 * (np.arange(-reach, reach + 1) / BLUR) ** 2)
-    weights /= weights.sum()
-    for axis in (0, 1):
-        pad = [(reach, reach) if k == axis else (0, 0) for k in range(3)]
-        # Mirrored at the horizon, which keeps the light.
-        wide = np.pad(square, pad, mode="symmetric")
-        square = sum(
-            weight * np.take(wide, np.arange(CELLS) + k, axis) for k, weight in enumerate(weights)
-        )
-    u, v = square_of(x.ravel(), y.ravel())
-    found = 0.0
-    places = [np.clip(each * CELLS - 0.5, 0.0, CELLS - 1.0) for each in (u, v)]
-    lows = [np.minimum(place.astype(np.int64), CELLS - 2) for place in places]
-    shares = [place - low for place, low in zip(places, lows, strict=True)]
-    for one in (0, 1):
-        for two in (0, 1):
-            weight = np.abs(1 - one - shares[0]) * np.abs(1 - two - shares[1])
-            found = found + weight[:, None] * square[lows[0] + one, lows[1] + two]
-    return (found * CELLS * CELLS / np.pi).reshape(*x.shape, -1)

@@ -9,8 +9,6 @@ import hashlib
 import io
 import json
 import math
-import os
-import sys
 import time
 import zipfile
 from collections.abc import Callable
@@ -19,6 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..reading.kept_folder import kept_folder
 from ..reading.whole_file import write_whole
 from .composition import Ink
 from .crew import Task, run_tasks
@@ -83,11 +82,7 @@ def key_of(ink: Ink, plan: Plan) -> str:
 
 def default_folder() -> Path:
     """Where solved films are kept for this user."""
-    if "LUMENRAY_INK_CACHE" in os.environ:
-        return Path(os.environ["LUMENRAY_INK_CACHE"])
-    if sys.platform == "win32":
-        return Path(os.environ.get("LOCALAPPDATA", Path.home())) / "lumenray" / "inks"
-    return Path(os.environ.get("XDG_CACHE_HOME", Path.home() / ".cache")) / "lumenray" / "inks"
+    return kept_folder("ink")
 
 
 def solve_ensemble(

@@ -15,6 +15,7 @@ import numpy as np
 from ..accuracy.stopping import Progress, StopRule
 from ..analysis.explanation import Explanation
 from ..baking.mixed_maps import MixedMap
+from ..cloth.surface import WovenSurface
 from ..daylight.coefficients import DaylightCoefficients, DaylightOrder
 from ..errors import EngineLost
 from ..ink.surface import PrintedSurface
@@ -233,6 +234,16 @@ class RemoteSession:
         """What a pigment layer scatters, as `Session.compute_ink`. Raises as `render`."""
         options = {"draft": draft, "processes": processes}
         return self._wait("compute_ink", (description,), options, _states_only(progress), None)
+
+    def compute_cloth(
+        self,
+        description: str,
+        draft: bool = False,
+        progress: Callable[[Progress], None] | None = None,
+    ) -> WovenSurface:
+        """What a cloth scatters, as `Session.compute_cloth`. Raises as `render`."""
+        told = _states_only(progress)
+        return self._wait("compute_cloth", (description,), {"draft": draft}, told, None)
 
     def watch(self, camera: Camera, settings: LiveSettings, display: Display) -> None:
         """Start or change the live view.

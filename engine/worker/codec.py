@@ -16,6 +16,7 @@ from .. import light_mix, measurements, views
 from ..accuracy import extremes, history, stopping
 from ..analysis import explanation
 from ..baking import lumel_sheet, mixed_maps, order
+from ..cloth import surface as woven_surface
 from ..daylight import coefficients
 from ..errors import CodecError, LumenrayError
 from ..ink import surface as print_surface
@@ -63,6 +64,7 @@ _MODULES = (
     camera, distribution, film, light, light_groups, material, mesh, modelling, provenance, ray_emission, relief, scattering,
     scene, sensor, spectrum, texture, light_mix, measurements, views, extremes, history, stopping, order, backend,
     coefficients, lumel_sheet, mixed_maps, decision, plan, explanation, surface, print_surface,
+    woven_surface,
 )  # fmt: skip
 
 

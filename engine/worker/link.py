@@ -43,6 +43,7 @@ JOB_NAMES = {
     "find_lumels": "layout of maps",
     "bake_objects": "bake",
     "compute_ink": "computation of a pigment layer",
+    "compute_cloth": "computation of a cloth",
 }
 """What people call the jobs, all of them: others wait for any."""
 

@@ -28,6 +28,7 @@ JOBS = {
     "mix_maps": 1,
     "compute_paint": 1,
     "compute_ink": 3,
+    "compute_cloth": 3,
     "measure": 2,
     "measure_sensors": 2,
     "find_daylight": 3,

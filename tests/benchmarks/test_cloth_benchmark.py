@@ -49,7 +49,7 @@ def test_what_is_apart_fails_and_is_named():
         "parts": {"photons": photons},
     }
     bars = cloth.check_bars(result)
-    assert [bar.passed for bar in bars] == [False, True, True, None, None, None, None]
+    assert [bar.passed for bar in bars] == [False, True, True, *[None] * 7]
     text = describe(result, bars)
     assert "Not met: reference values apart: 1." in text
     assert "15.0 times as long" in text

@@ -252,6 +252,61 @@ def materials():
     settings.use_override = False
 
 
+def hang_curtain():
+    """Return a curtain in folds, its warp hanging along V of its UV map."""
+    columns, rows = 121, 41
+    x, z = np.meshgrid(np.linspace(-1.0, 1.0, columns), np.linspace(0.0, 2.0, rows))
+    y = 0.07 * np.sin(22.0 * x) * (1.3 - 0.4 * z)
+    number = np.arange(rows * columns).reshape(rows, columns)
+    corners = (number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1])
+    faces = np.stack(corners, axis=-1).reshape(-1, 4)
+    mesh = bpy.data.meshes.new("Curtain")
+    mesh.from_pydata(np.stack([x, y, z], axis=-1).reshape(-1, 3).tolist(), [], faces.tolist())
+    layer = mesh.uv_layers.new(name="Drape")
+    uv = np.stack([0.5 * (x + 1.0), 0.5 * z], axis=-1).reshape(-1, 2)[faces.ravel()]
+    layer.data.foreach_set("uv", uv.ravel().astype(np.float32))
+    mesh.shade_smooth()
+    item = bpy.data.objects.new("Curtain", mesh)
+    bpy.context.scene.collection.objects.link(item)
+    item.data.materials.append(bpy.data.materials.new("Curtain"))
+    return item
+
+
+def cloths():
+    """A curtain of voile before a cube: its panels while it is computed and after, and its picture in the view."""
+    item = hang_curtain()
+    item.rotation_euler, item.location = (0.0, 0.0, 0.8), (1.3, -1.2, -0.8)
+    activate(item)
+    settings = item.active_material.lumenray
+    settings.use_override, settings.model = True, "CLOTH"
+    with override(area_of("VIEW_3D")):
+        bpy.ops.lumenray.set_cloth_preset(preset="voile")
+    tables = module("blender_addon.cloths.tables").cloth_tables
+    yield from tab("cloth_computing", "MATERIAL")
+    yield from wait_for(
+        lambda: tables.state_of(settings.cloth).reading is not None, "the cloth", 900.0
+    )
+    area_of("PROPERTIES").tag_redraw()
+    # The picture takes its place only when it is drawn.
+    yield 10.0
+    yield from tab("cloth", "MATERIAL")
+    area = area_of("VIEW_3D")
+    area.spaces.active.region_3d.view_perspective = "CAMERA"
+    bpy.context.scene.lumenray.viewport.samples = 16
+    area.spaces.active.shading.type = "RENDERED"
+    viewport = module("blender_addon.rendering.viewport")
+
+    def is_shown():
+        status = viewport.newest_status()
+        return status is not None and status.samples >= 16
+
+    yield from wait_for(is_shown, "the view", 600.0)
+    yield DRAWN
+    picture("view_cloth", next(each for each in area.regions if each.type == "WINDOW"))
+    area.spaces.active.shading.type = "SOLID"
+    bpy.data.objects.remove(item)
+
+
 def show_sunny_picture(world):
     """Let a world show an even sky with a clipped sun over a dark ground."""
     image = bpy.data.images.new("street.hdr", 256, 128, float_buffer=True)
@@ -453,6 +508,7 @@ CASES = {
         sensors,
         goniometers,
         materials,
+        cloths,
         worlds,
         renders,
         modelling,

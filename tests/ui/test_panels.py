@@ -9,7 +9,7 @@ from panels import context, draw, labels_of, new_light
 
 from lumenray import operators, ui
 from lumenray.blender_addon.surface_models import MODELS
-from lumenray.ui import bake, compatibility, ink, luminaire, paint, rayset, scattering
+from lumenray.ui import bake, cloth, compatibility, ink, luminaire, paint, rayset, scattering
 
 
 def all_panels():
@@ -33,13 +33,14 @@ def test_every_panel_of_the_properties_editor_is_only_there_for_our_engine():
             material=bpy.data.materials.new("Paint"),
         )
         for kind in ui.CLASSES:
-            # Those that need a file or a paint are looked at in the tests of these.
+            # Those that need a file or a composition are looked at in the tests of these.
             files = (
                 luminaire.LuminaireChild
                 | rayset.RaysetChild
                 | scattering.MeasuredPanel
                 | paint.PaintPanel
                 | ink.InkPanel
+                | cloth.ClothPanel
             )
             if issubclass(kind, files | bake.LUMENRAY_PT_luminaire_group):
                 continue
@@ -125,6 +126,7 @@ def test_saved_files_keep_their_models():
         "FABRIC",
         "PAINT",
         "INK",
+        "CLOTH",
     )
     assert {item.identifier: item.value for item in items} == {
         name: number for number, name in enumerate(names)

@@ -15,11 +15,7 @@ from PIL import Image
 
 from ...benchmarks.common.shapes import make_ball, make_mesh, make_rectangle
 from ...engine.accuracy.stopping import StopRule
-from ...engine.analysis.tone import encode_srgb
 from ...engine.paint.painted import paint_surface
-from ...engine.paint.sphere import KNEE
-from ...engine.photometry.colour import XYZ_TO_REC709
-from ...engine.scene.camera import Camera, Projection
 from ...engine.scene.light import CieSky, Output, Quantity, SunLight
 from ...engine.scene.material import Diffuse, Material
 from ...engine.scene.mesh import Mesh
@@ -28,6 +24,7 @@ from ...engine.scene.spectrum import Blackbody, Constant, Illuminant
 from ...engine.session import Session
 from ...engine.views import ViewSettings
 from ...libraries import paints
+from .views import camera_at, shown, smoothed
 
 SAMPLES = ("violet_pearl", "yellow_green_pearl", "near_white_pearl")
 """The reference's three."""
@@ -76,7 +73,7 @@ def make_body(material: str) -> Mesh:
     faces = np.concatenate(
         [np.stack([a, b, d], axis=-1).reshape(-1, 3), np.stack([a, d, c], axis=-1).reshape(-1, 3)]
     )
-    return _smoothed(make_mesh("body", points.reshape(-1, 3), faces, material))
+    return smoothed(_outwards(make_mesh("body", points.reshape(-1, 3), faces, material)))
 
 
 def _smooth_heights(x: np.ndarray) -> np.ndarray:
@@ -88,41 +85,13 @@ def _smooth_heights(x: np.ndarray) -> np.ndarray:
     return np.interp(x, fine, np.convolve(line, kernel / kernel.sum(), mode="same"))
 
 
-def _smoothed(mesh: Mesh) -> Mesh:
-    """A mesh with the means of its faces' normals at its corners, the normals outwards."""
+def _outwards(mesh: Mesh) -> Mesh:
+    """A mesh about the middle of the body whose faces look outwards."""
     corners = mesh.vertices[mesh.triangles]
     own = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    middle = corners.mean(axis=1) - [0.0, 0.0, 0.7]
-    if (own * middle).sum() < 0.0:
-        mesh = replace(mesh, triangles=np.ascontiguousarray(mesh.triangles[:, ::-1]))
-        own = -own
-    total = np.zeros_like(mesh.vertices)
-    for k in range(3):
-        np.add.at(total, mesh.triangles[:, k], own)
-    total /= np.maximum(np.linalg.norm(total, axis=1, keepdims=True), 1e-12)
-    return replace(mesh, corner_normals=total[mesh.triangles].astype(np.float32))
-
-
-def _camera(place, target, size, extent: float) -> Camera:
-    """Camera at a place that looks at another, with the width of its film at unit distance."""
-    back = np.asarray(place, float) - target
-    back /= np.linalg.norm(back)
-    right = np.cross([0.0, 0.0, 1.0], back)
-    right /= np.linalg.norm(right)
-    frame = np.eye(4)
-    frame[:3, :3] = np.stack([right, np.cross(back, right), back], axis=1)
-    frame[:3, 3] = place
-    return Camera(frame, Projection.PERSPECTIVE, *size, extent, extent * size[1] / size[0])
-
-
-def _shown(picture) -> np.ndarray:
-    """Pixels of a picture, highlights rolled off. (h, w, 3) uint8, from above"""
-    colour = np.maximum(picture.tristimulus.astype(float) @ XYZ_TO_REC709.T / WHITE, 0.0)
-    most = colour.max(axis=-1, keepdims=True)
-    over = np.maximum(most - KNEE, 0.0)
-    rolled = np.where(over > 0.0, KNEE + (1.0 - KNEE) * over / (over + 1.0 - KNEE), most)
-    colour = colour * rolled / np.maximum(most, 1e-9)
-    return encode_srgb(colour)[::-1]
+    if (own * (corners.mean(axis=1) - [0.0, 0.0, 0.7])).sum() >= 0.0:
+        return mesh
+    return replace(mesh, triangles=np.ascontiguousarray(mesh.triangles[:, ::-1]))
 
 
 def draw(preset: str) -> np.ndarray:
@@ -157,14 +126,19 @@ def draw(preset: str) -> np.ndarray:
     towards = np.array([-0.42, -0.62, 0.66])
     near = np.asarray(ball) + 0.28 * towards / np.linalg.norm(towards)
     views = (
-        (_camera((-3.6, -5.2, 1.75), np.array([-0.1, -0.35, 0.55]), SIZE, 0.78), SAMPLES_OF_PIXEL),
-        (_camera(near + 0.22 * towards, near, CLOSE, 0.30), 2 * SAMPLES_OF_PIXEL),
+        (
+            camera_at((-3.6, -5.2, 1.75), np.array([-0.1, -0.35, 0.55]), SIZE, 0.78),
+            SAMPLES_OF_PIXEL,
+        ),
+        (camera_at(near + 0.22 * towards, near, CLOSE, 0.30), 2 * SAMPLES_OF_PIXEL),
     )
-    shown = [
-        _shown(session.render(camera, ViewSettings(StopRule(samples=samples), method="paths")))
+    pixels = [
+        shown(
+            session.render(camera, ViewSettings(StopRule(samples=samples), method="paths")), WHITE
+        )
         for camera, samples in views
     ]
-    return np.concatenate([shown[0], np.full((SIZE[1], 6, 3), 255, np.uint8), shown[1]], axis=1)
+    return np.concatenate([pixels[0], np.full((SIZE[1], 6, 3), 255, np.uint8), pixels[1]], axis=1)
 
 
 def main(arguments: list[str]) -> None:

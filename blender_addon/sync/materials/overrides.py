@@ -1,5 +1,6 @@
 """Surfaces from the measurable parameters that a user states in place of a node tree."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,12 +24,13 @@ from ....engine.scene.material import (
 )
 from ....engine.scene.spectrum import Constant, Rgb, Spectrum
 from ....imports import loaded_when_used
+from ...cloths.convert import convert_cloth
 from ...foundation.report import ConversionReport
 from ...inks.convert import convert_ink
 from ...paints.convert import convert_paint
 from ...scattering.convert import convert_measured
 from ...scattering.files import MEASURED
-from ...surface_models import INK, PAINT
+from ...surface_models import CLOTH, INK, PAINT
 from ..spectra import convert_spectrum, read_file
 
 with loaded_when_used():
@@ -38,7 +40,7 @@ HELIUM_D = 587.56
 """Wavelength at which a dispersive index is taken where only one number fits. [nm]"""
 
 MISSING_REFLECTANCE = 0.5
-"""Diffuse reflectance in place of a scattering file, a paint or a print that cannot be used. [-]"""
+"""Diffuse reflectance in place of a scattering file, a paint, a print or a cloth that cannot be used. [-]"""
 
 
 @dataclass(frozen=True)
@@ -138,28 +140,16 @@ def _pane(stated: Statement) -> ThinGlass | TabulatedPane:
     return ThinGlass(ior, Constant(stated.settings.transmittance))
 
 
-def _measured(stated: Statement) -> Surface:
-    remedy = f"diffuse grey {MISSING_REFLECTANCE} is used"
-    surface = convert_measured(
-        stated.settings.measured, stated.report, stated.datablock, remedy, stated.is_patient
-    )
-    return Diffuse(Constant(MISSING_REFLECTANCE)) if surface is None else surface
+def _known_by(group: str, convert: Callable) -> Callable[[Statement], Surface]:
+    """What makes a surface whose tables are read or computed, by the settings of the name ``group``."""
 
+    def make(stated: Statement) -> Surface:
+        remedy = f"diffuse grey {MISSING_REFLECTANCE} is used"
+        own = getattr(stated.settings, group)
+        surface = convert(own, stated.report, stated.datablock, remedy, stated.is_patient)
+        return Diffuse(Constant(MISSING_REFLECTANCE)) if surface is None else surface
 
-def _paint(stated: Statement) -> Surface:
-    remedy = f"diffuse grey {MISSING_REFLECTANCE} is used"
-    surface = convert_paint(
-        stated.settings.paint, stated.report, stated.datablock, remedy, stated.is_patient
-    )
-    return Diffuse(Constant(MISSING_REFLECTANCE)) if surface is None else surface
-
-
-def _ink(stated: Statement) -> Surface:
-    remedy = f"diffuse grey {MISSING_REFLECTANCE} is used"
-    surface = convert_ink(
-        stated.settings.ink, stated.report, stated.datablock, remedy, stated.is_patient
-    )
-    return Diffuse(Constant(MISSING_REFLECTANCE)) if surface is None else surface
+    return make
 
 
 def _black(_stated: Statement) -> Black:
@@ -208,10 +198,11 @@ MAKERS = {
     "DIELECTRIC": _dielectric,
     "THIN_GLASS": _pane,
     "EMITTER": _black,
-    MEASURED: _measured,
+    MEASURED: _known_by("measured", convert_measured),
     "FABRIC": _fabric,
-    PAINT: _paint,
-    INK: _ink,
+    PAINT: _known_by("paint", convert_paint),
+    INK: _known_by("ink", convert_ink),
+    CLOTH: _known_by("cloth", convert_cloth),
 }
 """From a `Statement` to the `Surface`, by the names of `surface_models.MODELS`."""
 

@@ -142,17 +142,26 @@ def _darker(first: Scatter, second: Scatter) -> Scatter:
     return replace(first, **made)
 
 
-def make_reciprocal(table: ScatterTable) -> ScatterTable:
-    """Return a table whose grid points hold the mean of f(i, o) and f(o, i), as tables of one side should be alike."""
+def make_reciprocal(
+    table: ScatterTable, other: ScatterTable | None = None, least: float = LOWEST
+) -> ScatterTable:
+    """Return a table whose grid points hold the mean of f(i, o) and f(o, i), as tables of one side should be alike.
+
+    Parameters
+    ----------
+    other : ScatterTable or None    Of transmission, the table of the other side, in which f(o, i) stands; None: the same.
+    least : float    Cosine below which a direction is left as it is: near the horizon tables are coarse.
+    """
     axes = np.meshgrid(
         table.rotations, table.incidences, table.radials, table.azimuths, indexing="ij"
     )
     rotation, incidence, radial, azimuth = (axis.ravel() for axis in axes)
     wo = turned(direction_of(incidence, radial, azimuth), rotation)
     wi = turned(direction_of(-incidence, np.zeros_like(incidence), 0.0), rotation)
-    above = wo[:, 2] > LOWEST
+    above = np.minimum(wo[:, 2], wi[:, 2]) > least
     values = table.values.reshape(-1, len(table.wavelengths)).copy()
-    values[above] = 0.5 * (values[above] + evaluate(table, wo[above], wi[above]))
+    turned_round = evaluate(table if other is None else other, wo[above], wi[above])
+    values[above] = 0.5 * (values[above] + turned_round)
     return replace(table, values=values.reshape(table.values.shape))
 
 

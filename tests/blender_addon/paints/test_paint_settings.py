@@ -9,16 +9,11 @@ import numpy as np
 import pytest
 from panels import context, draw, finish_pictures, interface
 
+from lumenray.blender_addon.compositions.description import digest_of, to_text
 from lumenray.blender_addon.file_assets.pictures import Pictures
 from lumenray.blender_addon.foundation.report import ConversionReport
 from lumenray.blender_addon.paints import parts, presets, preview, readout, tables
-from lumenray.blender_addon.paints.description import (
-    adopt,
-    adopt_part,
-    describe,
-    digest_of,
-    to_text,
-)
+from lumenray.blender_addon.paints.description import adopt, adopt_part, describe
 from lumenray.blender_addon.paints.parts import names_of
 from lumenray.blender_addon.sync.materials.overrides import convert_override
 from lumenray.engine.errors import FileFormatError

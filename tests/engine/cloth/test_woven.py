@@ -137,3 +137,30 @@ def test_close_up_from_afar_is_the_table(white):
     assert mean == pytest.approx(
         seen_from_afar(white.sides["front_reflection"]), abs=0.04 * mean[0] + 4.0 * made.error[0]
     )
+
+
+def test_tables_hold_what_is_sent_anew(white):
+    """T5: light from directions between those of the table, in windows anywhere; tables of few rays are grainy."""
+    from lumenray.benchmarks.cloth.direct import compare_directly
+
+    made = compare_directly(white.cloth, white.sides, lights=6, windows=200, rays=20_000, exits=48)
+    for part in ("reflection", "transmission"):
+        assert made[part]["pairs"] == 1200
+        assert abs(made[part]["mean"]) < 0.04
+        assert made[part]["rms"] < 0.3
+
+
+def test_close_ups_are_averaged_over_what_a_weave_repeats():
+    backend.start(spectral=False)
+    from lumenray.engine.cloth.close_up import _evened
+    from lumenray.engine.cloth.composition import Weave
+    from lumenray.engine.cloth.weave import twill_pattern
+
+    thread = yarn(0.14)
+    twill = Cloth(thread, thread, Weave(twill_pattern(2, 2), 0.2, 0.2))
+    values = np.random.default_rng(3).random((8, 12, 2))
+    made = _evened(values, twill)
+    # One end further and one pick back everything is the same: 3 columns and 2 rows.
+    assert np.roll(made, (-2, 3), (0, 1)) == pytest.approx(made)
+    assert np.roll(made, (2, 3), (0, 1)) != pytest.approx(made)
+    assert made.mean(axis=(0, 1)) == pytest.approx(values.mean(axis=(0, 1)))
