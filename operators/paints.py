@@ -3,11 +3,17 @@
 import bpy
 from bpy.props import EnumProperty, IntProperty, StringProperty
 
+from ..blender_addon.foundation.own_presets import PAINTS
 from ..blender_addon.scattering.settings import active_material
 from ..blender_addon.surface_models import PAINT
 from ..engine.errors import LumenrayError
 from ..imports import loaded_when_used
-from .compositions import CompositionOperator, LoadComposition, SaveComposition
+from .compositions import (
+    AddCompositionPreset,
+    CompositionOperator,
+    LoadComposition,
+    SaveComposition,
+)
 
 with loaded_when_used():
     from ..blender_addon.file_assets import kind as file_kind
@@ -17,7 +23,7 @@ with loaded_when_used():
 class Paint:
     """The composition of a paint."""
 
-    model, group, unnamed = PAINT, "paint", "paint"
+    model, group, unnamed, folder = PAINT, "paint", "paint", PAINTS
 
     @staticmethod
     def describe(settings) -> dict:
@@ -59,25 +65,11 @@ class LUMENRAY_OT_set_paint_preset(Paint, CompositionOperator, bpy.types.Operato
         presets.load(settings, path)
 
 
-class LUMENRAY_OT_add_paint_preset(Paint, CompositionOperator, bpy.types.Operator):
+class LUMENRAY_OT_add_paint_preset(Paint, AddCompositionPreset, bpy.types.Operator):
     """Keep the composition as a preset of yours"""
 
     bl_idname = "lumenray.add_paint_preset"
     bl_label = "Add Paint Preset"
-
-    name: StringProperty(name="Name", description="Of the preset; one of this name is replaced")
-
-    def invoke(self, context, event):
-        self.name = active_material(context).lumenray.paint.name
-        return context.window_manager.invoke_props_dialog(self)
-
-    def work(self, context, settings):
-        """Write it."""
-        name = bpy.path.clean_name(self.name).strip("_").lower()
-        if not name:
-            raise LumenrayError("a preset needs a name")
-        self.write(presets.own_folder() / f"{name}.json", settings)
-        return f"'{presets.title_of(name)}' is among the presets"
 
 
 class LUMENRAY_OT_add_paint_layer(Paint, CompositionOperator, bpy.types.Operator):

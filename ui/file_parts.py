@@ -1,5 +1,6 @@
 """Pieces of panels about the file behind a light or a material: its name, what to do with it, what is wrong, its picture."""
 
+from ..blender_addon.foundation.own_presets import title_of
 from .parts import draw_icon, draw_text
 
 LABELS = 0.42
@@ -43,6 +44,14 @@ def draw_file_row(layout, settings, kind: str, invitation: str) -> bool:
             row.operator(f"lumenray.pack_{kind}", text="", icon="UGLYPACKAGE")
     row.operator(f"lumenray.reload_{kind}", text="", icon="FILE_REFRESH")
     return True
+
+
+def draw_presets(layout, shipped, own, operator: str) -> None:
+    """Draw an operator for each preset, those of the user last. ``shipped``, ``own``: files by name; own ones count."""
+    for names in ([name for name in shipped if name not in own], own):
+        for name in names:
+            layout.operator(operator, text=title_of(name)).preset = name
+        layout.separator()
 
 
 def draw_problem(layout, context, problem: str, remedy: str) -> None:

@@ -3,7 +3,7 @@
 import bpy
 
 from ..imports import loaded_when_used
-from .file_parts import LABELS, draw_problem
+from .file_parts import LABELS, draw_presets, draw_problem
 from .material import MaterialPanel
 from .parts import draw_lines, draw_text, draw_wide
 
@@ -12,14 +12,12 @@ with loaded_when_used():
 
 
 class LUMENRAY_MT_ink_presets(bpy.types.Menu):
-    """Pigment layers that ship."""
+    """Pigment layers that ship and those of the user."""
 
     bl_label = "Pigment Layer Presets"
 
     def draw(self, context):
-        for name in presets.shipped():
-            text = presets.title_of(name)
-            self.layout.operator("lumenray.set_ink_preset", text=text).preset = name
+        draw_presets(self.layout, presets.shipped(), presets.own(), "lumenray.set_ink_preset")
 
 
 class InkPanel(MaterialPanel):
@@ -40,6 +38,7 @@ class LUMENRAY_PT_ink(InkPanel, bpy.types.Panel):
         settings = context.material.lumenray.ink
         row = layout.row(align=True)
         row.menu("LUMENRAY_MT_ink_presets", text=settings.name or "Presets")
+        row.operator("lumenray.add_ink_preset", text="", icon="ADD")
         row.operator("lumenray.load_ink", text="", icon="FILEBROWSER")
         row.operator("lumenray.save_ink", text="", icon="FILE_TICK")
         layout.row().prop(settings, "quality", expand=True)
@@ -47,8 +46,14 @@ class LUMENRAY_PT_ink(InkPanel, bpy.types.Panel):
         if state.problem:
             draw_problem(layout, context, state.problem, readout.REMEDY)
         elif state.reading is None:
-            percent = f" ({100.0 * state.share:.0f} %)" if state.share else ""
-            layout.label(text=f"The table is being computed…{percent}", icon="TIME")
+            row = layout.row()
+            if state.is_stopped:
+                row.label(text="Cancelled; plain grey is used", icon="INFO")
+                row.operator("lumenray.compute_ink", icon="PLAY")
+            else:
+                percent = f" ({100.0 * state.share:.0f} %)" if state.share else ""
+                row.label(text=f"The table is being computed…{percent}", icon="TIME")
+                row.operator("lumenray.cancel_ink", icon="X")
             draw_lines(layout, readout.describe_cost(settings), LABELS)
         for name in description.LAYER:
             if description.layer_states(settings, name):
@@ -61,6 +66,7 @@ class LUMENRAY_PT_ink(InkPanel, bpy.types.Panel):
             box.label(text=description.name_of(pigment))
             for name in description.PIGMENT:
                 draw_wide(box, pigment, name, pigment.bl_rna.properties[name].name)
+        layout.operator("lumenray.show_ink_particles", icon="OUTLINER_OB_POINTCLOUD")
 
 
 class LUMENRAY_PT_ink_colour(InkPanel, bpy.types.Panel):

@@ -5,7 +5,7 @@ import bpy
 from ..blender_addon.paints.angles import STRIP
 from ..engine.errors import LumenrayError
 from ..imports import loaded_when_used
-from .file_parts import LABELS, draw_problem
+from .file_parts import LABELS, draw_presets, draw_problem
 from .material import MaterialPanel
 from .parts import draw_icon, draw_lines, draw_text, draw_wide
 
@@ -39,13 +39,7 @@ class LUMENRAY_MT_paint_presets(bpy.types.Menu):
     bl_label = "Paint Presets"
 
     def draw(self, context):
-        layout = self.layout
-        own = presets.own()
-        for name in (*presets.shipped(), *own):
-            if own and name == next(iter(own)):
-                layout.separator()
-            text = presets.title_of(name)
-            layout.operator("lumenray.set_paint_preset", text=text).preset = name
+        draw_presets(self.layout, presets.shipped(), presets.own(), "lumenray.set_paint_preset")
 
 
 class PartMenu:

@@ -18,9 +18,10 @@ class NoFileError(LumenrayError):
 
 
 class NotReadyError(LumenrayError):
-    """A file is being read; ``share`` of the work is done."""
+    """A file is being read, ``share`` of the work is done; or it is not, as that was stopped."""
 
     share = 0.0
+    is_stopped = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +35,7 @@ class State:
     reading : object or None    None if none is chosen, it is being read, or cannot be used.
     share : float    Of the work that is done while it is being read.
     problem : str    Why it cannot be used, empty if it can.
+    is_stopped : bool    Whether it is not there because whoever wanted it stopped it.
     """
 
     name: str
@@ -41,6 +43,7 @@ class State:
     reading: Any = None
     share: float = 0.0
     problem: str = ""
+    is_stopped: bool = False
 
 
 class FileKind:
@@ -164,7 +167,9 @@ class FileKind:
         try:
             return job.future.result()
         except (Cancelled, CancelledError):
-            raise NotReadyError(self.stopped) from None
+            error = NotReadyError(self.stopped)
+            error.is_stopped = True
+            raise error from None
         except LumenrayError as error:
             raise error.with_traceback(None) from None
 
@@ -177,7 +182,7 @@ class FileKind:
         try:
             return State(name, place, self.obtain(settings, is_patient=False))
         except NotReadyError as error:
-            return State(name, place, share=error.share)
+            return State(name, place, share=error.share, is_stopped=error.is_stopped)
         except LumenrayError as error:
             problem = str(error).removeprefix(f"{self.absolute_path(settings)}: ")
             return State(name, place, problem=problem)
@@ -193,6 +198,15 @@ class FileKind:
     def reload(self, settings) -> None:
         """Have the file of settings read anew."""
         self.forget(settings)
+        settings.id_data.update_tag()
+
+    def stop(self, settings) -> None:
+        """End the reading of what settings choose, if it is under way."""
+        self._shelf.stop(self.source(settings)[0])
+
+    def restart(self, settings) -> None:
+        """Read what settings choose after all, which was stopped."""
+        self._shelf.drop(self.source(settings)[0])
         settings.id_data.update_tag()
 
     def detach(self) -> None:
