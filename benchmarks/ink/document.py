@@ -45,8 +45,8 @@ def describe(result: dict, bars) -> str:
             f"The same job takes {used['one']:.1f} processor seconds with one process, {used['two']:.1f} in two together, "
             f"and {used['twice']:.1f} with one and twice the realisations. By the clock, in turns, their start included: "
             f"{clock}; two are {timed['gain']:.2f} times as fast as one (median). By processor "
-            f"seconds they would be {timed['gain_of_processors']:.2f} times as fast: what is missing to 2 is what both do, or do "
-            "slower side by side.\n"
+            f"seconds they would be {timed['gain_of_processors']:.2f} times as fast: what is missing to 2 is what both "
+            "do, or do slower side by side.\n"
         )
     return "\n".join(chapters)
 
