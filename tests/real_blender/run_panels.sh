@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Takes a picture of every panel at default width in a real Blender's window, into LUMENRAY_OUT/panels, for reading.
 #
-#   run_panels.sh [PART...]     first_steps, lights, tubes, light_list, luminaires, sensors, goniometers, materials, worlds, renders,
+#   run_panels.sh [PART...]     first_steps, lights, tubes, light_list, luminaires, sensors, goniometers, materials, inks, worlds, renders,
 #                               modelling, bakes, views, mixes (default: all)
 #   VENV, LUMENRAY_OUT          as for run_smoke.sh
 #   LUMENRAY_INSTALLED=1        the extension is there already, in LUMENRAY_PROFILE

@@ -233,8 +233,9 @@ def shown():
 
 def test_particles_are_shown_where_waves_meet_them(material, shown):
     settings = material.lumenray.ink
-    adopt(settings, CONTENT)
-    ink = parse_ink(CONTENT)
+    content = CONTENT | {"solution": {"cell_um": 0.7, "seed": 3}}
+    adopt(settings, content)
+    ink = parse_ink(content)
     plan = make_plan(ink, draft=True)
     packing = pack_ink(ink, plan.width, plan.seed, 3)
     bpy.context.scene.cursor.location = 1.0, 2.0, 3.0
