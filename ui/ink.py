@@ -46,13 +46,12 @@ class LUMENRAY_PT_ink(InkPanel, bpy.types.Panel):
         if state.problem:
             draw_problem(layout, context, state.problem, readout.REMEDY)
         elif state.reading is None:
-            row = layout.row()
             if state.is_stopped:
-                row.label(text="Cancelled; plain grey is used", icon="INFO")
-                row.operator("lumenray.compute_ink", icon="PLAY")
+                layout.label(text="Cancelled: plain grey is used", icon="INFO")
+                layout.operator("lumenray.compute_ink", icon="PLAY")
             else:
-                percent = f" ({100.0 * state.share:.0f} %)" if state.share else ""
-                row.label(text=f"The table is being computed…{percent}", icon="TIME")
+                row = layout.row()
+                row.progress(factor=state.share, text=f"Computed: {100.0 * state.share:.0f} %")
                 row.operator("lumenray.cancel_ink", icon="X")
             draw_lines(layout, readout.describe_cost(settings), LABELS)
         for name in description.LAYER:
