@@ -268,6 +268,8 @@ def inks():
     view.spaces.active.shading.color_type = "MATERIAL"
     cube.hide_set(True)
     with override(view), bpy.context.temp_override(material=material):
+        # What scripts set is in no step by itself.
+        bpy.ops.ed.undo_push(message="Pigment layer")
         bpy.ops.lumenray.show_ink_particles("EXEC_DEFAULT", True)
         box = next(each for each in bpy.data.objects if "magnification" in each)
         name = box.name
