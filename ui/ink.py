@@ -51,7 +51,7 @@ class LUMENRAY_PT_ink(InkPanel, bpy.types.Panel):
                 layout.operator("lumenray.compute_ink", icon="PLAY")
             else:
                 row = layout.row()
-                row.progress(factor=state.share, text=f"Computed: {100.0 * state.share:.0f} %")
+                row.progress(factor=state.share, text=f"{100.0 * state.share:.0f} %")
                 row.operator("lumenray.cancel_ink", icon="X")
             draw_lines(layout, readout.describe_cost(settings), LABELS)
         for name in description.LAYER:
