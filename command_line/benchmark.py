@@ -120,7 +120,7 @@ def add_command(commands) -> None:
         "dense pigment layers against reference values, colours by the size of particles, cost",
         "of a part",
     )
-    _add_parts(ink, "reference, dense, trend, series, processes")
+    _add_parts(ink, "reference, dense, trend, series, presets, processes")
     environment = _add(
         kinds,
         "environment",

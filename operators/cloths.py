@@ -2,23 +2,36 @@
 
 import bpy
 
+from ..blender_addon.compositions.presets import CLOTHS
 from ..blender_addon.surface_models import CLOTH
 from ..imports import loaded_when_used
-from .compositions import LoadComposition, SaveComposition, SetPreset
+from .compositions import (
+    AddCompositionPreset,
+    CancelComposition,
+    ComputeComposition,
+    LoadComposition,
+    SaveComposition,
+    SetPreset,
+)
 
 with loaded_when_used():
-    from ..blender_addon.cloths import description, presets
+    from ..blender_addon.cloths import description, presets, tables
 
 
 class Cloth:
     """The composition of a cloth."""
 
-    model, group, unnamed = CLOTH, "cloth", "cloth"
+    model, group, unnamed, folder = CLOTH, "cloth", "cloth", CLOTHS
 
     @staticmethod
     def describe(settings) -> dict:
         """Return what settings state, as a file has it."""
         return description.describe(settings)
+
+    @staticmethod
+    def tables():
+        """Return what computes tables."""
+        return tables.cloth_tables
 
 
 class LUMENRAY_OT_load_cloth(Cloth, LoadComposition, bpy.types.Operator):
@@ -48,11 +61,39 @@ class LUMENRAY_OT_set_cloth_preset(Cloth, SetPreset, bpy.types.Operator):
     @staticmethod
     def known() -> dict:
         """Return the files of presets."""
-        return presets.shipped()
+        return presets.shipped() | presets.own()
 
     def load(self, settings, path):
         """Take over what a file states."""
         presets.load(settings, path)
 
 
-CLASSES = (LUMENRAY_OT_load_cloth, LUMENRAY_OT_save_cloth, LUMENRAY_OT_set_cloth_preset)
+class LUMENRAY_OT_add_cloth_preset(Cloth, AddCompositionPreset, bpy.types.Operator):
+    """Keep the cloth as a preset of yours"""
+
+    bl_idname = "lumenray.add_cloth_preset"
+    bl_label = "Add Cloth Preset"
+
+
+class LUMENRAY_OT_cancel_cloth(Cloth, CancelComposition, bpy.types.Operator):
+    """End the computation of the cloth, which is plain grey then"""
+
+    bl_idname = "lumenray.cancel_cloth"
+    bl_label = "Cancel"
+
+
+class LUMENRAY_OT_compute_cloth(Cloth, ComputeComposition, bpy.types.Operator):
+    """Compute the cloth after all, which was cancelled"""
+
+    bl_idname = "lumenray.compute_cloth"
+    bl_label = "Compute"
+
+
+CLASSES = (
+    LUMENRAY_OT_load_cloth,
+    LUMENRAY_OT_save_cloth,
+    LUMENRAY_OT_set_cloth_preset,
+    LUMENRAY_OT_add_cloth_preset,
+    LUMENRAY_OT_cancel_cloth,
+    LUMENRAY_OT_compute_cloth,
+)

@@ -6,6 +6,7 @@ from pathlib import Path
 import bpy
 from bpy.props import BoolProperty, StringProperty
 
+from ..blender_addon.compositions import presets as own_presets
 from ..blender_addon.scattering.settings import active_material
 from ..blender_addon.surface_models import MODELS
 from ..engine.errors import LumenrayError
@@ -25,8 +26,9 @@ ELSEWHERE = "The material is linked from another file, where it can be changed"
 class CompositionOperator:
     """Operator on the composition of the active material.
 
-    Each kind of composition gives ``model``, the surface model; ``group``, the name of its settings; and ``describe``,
-    which returns what settings state as a file has it. An operator's ``work`` returns what is reported, if anything.
+    Each kind of composition gives ``model``, the surface model; ``group``, the name of its settings; ``folder``, where its
+    users' presets lie; ``describe``, which returns what settings state as a file has it; and ``tables``, which returns what
+    computes them. An operator's ``work`` returns what is reported, if anything.
     """
 
     bl_options = {"REGISTER", "UNDO"}
@@ -119,3 +121,41 @@ class SaveComposition(CompositionOperator):
         path = Path(bpy.path.abspath(bpy.path.ensure_ext(self.filepath, ".json")))
         self.write(path, settings)
         return f"{path.name} is written"
+
+
+class AddCompositionPreset(CompositionOperator):
+    """Operator that keeps a composition as a preset of the user."""
+
+    name: StringProperty(name="Name", description="Of the preset; one of this name is replaced")
+
+    def invoke(self, context, event):
+        self.name = getattr(active_material(context).lumenray, self.group).name
+        return context.window_manager.invoke_props_dialog(self)
+
+    def work(self, context, settings):
+        """Write it."""
+        name = bpy.path.clean_name(self.name).strip("_").lower()
+        if not name:
+            raise LumenrayError("a preset needs a name")
+        self.write(own_presets.folder_of(self.folder) / f"{name}.json", settings)
+        return f"'{own_presets.title_of(name)}' is among the presets"
+
+
+class CancelComposition(CompositionOperator):
+    """Operator that ends the computation of a table."""
+
+    bl_options = {"INTERNAL"}
+
+    def work(self, context, settings):
+        """End it."""
+        self.tables().stop(settings)
+
+
+class ComputeComposition(CompositionOperator):
+    """Operator that begins the computation of a table that was cancelled."""
+
+    bl_options = {"INTERNAL"}
+
+    def work(self, context, settings):
+        """Begin it."""
+        self.tables().restart(settings)

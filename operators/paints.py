@@ -3,12 +3,20 @@
 import bpy
 from bpy.props import EnumProperty, IntProperty, StringProperty
 
-from ..blender_addon.compositions.presets import title_of
+from ..blender_addon.compositions.presets import PAINTS
 from ..blender_addon.scattering.settings import active_material
 from ..blender_addon.surface_models import PAINT
 from ..engine.errors import LumenrayError
 from ..imports import loaded_when_used
-from .compositions import CompositionOperator, LoadComposition, SaveComposition, SetPreset
+from .compositions import (
+    AddCompositionPreset,
+    CancelComposition,
+    CompositionOperator,
+    ComputeComposition,
+    LoadComposition,
+    SaveComposition,
+    SetPreset,
+)
 
 with loaded_when_used():
     from ..blender_addon.file_assets import kind as file_kind
@@ -18,12 +26,17 @@ with loaded_when_used():
 class Paint:
     """The composition of a paint."""
 
-    model, group, unnamed = PAINT, "paint", "paint"
+    model, group, unnamed, folder = PAINT, "paint", "paint", PAINTS
 
     @staticmethod
     def describe(settings) -> dict:
         """Return what settings state, as a file has it."""
         return description.describe(settings)
+
+    @staticmethod
+    def tables():
+        """Return what computes tables."""
+        return tables.paint_tables
 
 
 class LUMENRAY_OT_load_paint(Paint, LoadComposition, bpy.types.Operator):
@@ -60,25 +73,25 @@ class LUMENRAY_OT_set_paint_preset(Paint, SetPreset, bpy.types.Operator):
         presets.load(settings, path)
 
 
-class LUMENRAY_OT_add_paint_preset(Paint, CompositionOperator, bpy.types.Operator):
+class LUMENRAY_OT_add_paint_preset(Paint, AddCompositionPreset, bpy.types.Operator):
     """Keep the composition as a preset of yours"""
 
     bl_idname = "lumenray.add_paint_preset"
     bl_label = "Add Paint Preset"
 
-    name: StringProperty(name="Name", description="Of the preset; one of this name is replaced")
 
-    def invoke(self, context, event):
-        self.name = active_material(context).lumenray.paint.name
-        return context.window_manager.invoke_props_dialog(self)
+class LUMENRAY_OT_cancel_paint(Paint, CancelComposition, bpy.types.Operator):
+    """End the computation of the paint, which is plain grey then"""
 
-    def work(self, context, settings):
-        """Write it."""
-        name = bpy.path.clean_name(self.name).strip("_").lower()
-        if not name:
-            raise LumenrayError("a preset needs a name")
-        self.write(presets.own_folder() / f"{name}.json", settings)
-        return f"'{title_of(name)}' is among the presets"
+    bl_idname = "lumenray.cancel_paint"
+    bl_label = "Cancel"
+
+
+class LUMENRAY_OT_compute_paint(Paint, ComputeComposition, bpy.types.Operator):
+    """Compute the paint after all, which was cancelled"""
+
+    bl_idname = "lumenray.compute_paint"
+    bl_label = "Compute"
 
 
 class LUMENRAY_OT_add_paint_layer(Paint, CompositionOperator, bpy.types.Operator):
@@ -191,6 +204,8 @@ CLASSES = (
     LUMENRAY_OT_save_paint,
     LUMENRAY_OT_set_paint_preset,
     LUMENRAY_OT_add_paint_preset,
+    LUMENRAY_OT_cancel_paint,
+    LUMENRAY_OT_compute_paint,
     LUMENRAY_OT_add_paint_layer,
     LUMENRAY_OT_remove_paint_layer,
     LUMENRAY_OT_move_paint_layer,

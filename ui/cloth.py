@@ -2,9 +2,8 @@
 
 import bpy
 
-from ..blender_addon.compositions.presets import title_of
 from ..imports import loaded_when_used
-from .compositions import draw_presets, draw_progress
+from .compositions import draw_choice, draw_presets, draw_progress
 from .file_parts import draw_problem
 from .material import MaterialPanel
 from .parts import draw_icon, draw_lines, draw_text, draw_wide
@@ -20,13 +19,12 @@ WEAVES = {
 
 
 class LUMENRAY_MT_cloth_presets(bpy.types.Menu):
-    """Cloths that ship."""
+    """Cloths that ship, and the user's own."""
 
     bl_label = "Cloth Presets"
 
     def draw(self, context):
-        for name in presets.shipped():
-            self.layout.operator("lumenray.set_cloth_preset", text=title_of(name)).preset = name
+        draw_presets(self.layout, presets, "lumenray.set_cloth_preset")
 
 
 class ClothPanel(MaterialPanel):
@@ -45,13 +43,13 @@ class LUMENRAY_PT_cloth(ClothPanel, bpy.types.Panel):
     def draw(self, context):
         layout = self.layout
         settings = context.material.lumenray.cloth
-        draw_presets(layout, settings.name, "cloth")
+        draw_choice(layout, settings.name, "cloth")
         layout.row().prop(settings, "quality", expand=True)
         state = tables.cloth_tables.state_of(settings)
         if state.problem:
             draw_problem(layout, context, state.problem, readout.REMEDY)
         elif state.reading is None:
-            draw_progress(layout, state, readout.describe_cost(settings))
+            draw_progress(layout, state, "cloth", readout.describe_cost(settings))
         else:
             reading = preview.turned(state.reading, settings)
             draw_icon(

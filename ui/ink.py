@@ -2,9 +2,8 @@
 
 import bpy
 
-from ..blender_addon.compositions.presets import title_of
 from ..imports import loaded_when_used
-from .compositions import draw_presets, draw_progress
+from .compositions import draw_choice, draw_presets, draw_progress
 from .file_parts import LABELS, draw_problem
 from .material import MaterialPanel
 from .parts import draw_lines, draw_text, draw_wide
@@ -14,14 +13,12 @@ with loaded_when_used():
 
 
 class LUMENRAY_MT_ink_presets(bpy.types.Menu):
-    """Pigment layers that ship."""
+    """Pigment layers that ship and those of the user."""
 
     bl_label = "Pigment Layer Presets"
 
     def draw(self, context):
-        for name in presets.shipped():
-            text = title_of(name)
-            self.layout.operator("lumenray.set_ink_preset", text=text).preset = name
+        draw_presets(self.layout, presets, "lumenray.set_ink_preset")
 
 
 class InkPanel(MaterialPanel):
@@ -40,13 +37,13 @@ class LUMENRAY_PT_ink(InkPanel, bpy.types.Panel):
     def draw(self, context):
         layout = self.layout
         settings = context.material.lumenray.ink
-        draw_presets(layout, settings.name, "ink")
+        draw_choice(layout, settings.name, "ink")
         layout.row().prop(settings, "quality", expand=True)
         state = tables.ink_tables.state_of(settings)
         if state.problem:
             draw_problem(layout, context, state.problem, readout.REMEDY)
         elif state.reading is None:
-            draw_progress(layout, state, readout.describe_cost(settings))
+            draw_progress(layout, state, "ink", readout.describe_cost(settings))
         for name in description.LAYER:
             if description.layer_states(settings, name):
                 draw_wide(layout, settings, name, settings.bl_rna.properties[name].name)
@@ -58,6 +55,7 @@ class LUMENRAY_PT_ink(InkPanel, bpy.types.Panel):
             box.label(text=description.name_of(pigment))
             for name in description.PIGMENT:
                 draw_wide(box, pigment, name, pigment.bl_rna.properties[name].name)
+        layout.operator("lumenray.show_ink_particles", icon="OUTLINER_OB_POINTCLOUD")
 
 
 class LUMENRAY_PT_ink_colour(InkPanel, bpy.types.Panel):

@@ -2,11 +2,10 @@
 
 import bpy
 
-from ..blender_addon.compositions.presets import title_of
 from ..blender_addon.paints.angles import STRIP
 from ..engine.errors import LumenrayError
 from ..imports import loaded_when_used
-from .compositions import draw_presets, draw_progress
+from .compositions import draw_choice, draw_presets, draw_progress
 from .file_parts import LABELS, draw_problem
 from .material import MaterialPanel
 from .parts import draw_icon, draw_lines, draw_text, draw_wide
@@ -41,13 +40,7 @@ class LUMENRAY_MT_paint_presets(bpy.types.Menu):
     bl_label = "Paint Presets"
 
     def draw(self, context):
-        layout = self.layout
-        own = presets.own()
-        for name in (*presets.shipped(), *own):
-            if own and name == next(iter(own)):
-                layout.separator()
-            text = title_of(name)
-            layout.operator("lumenray.set_paint_preset", text=text).preset = name
+        draw_presets(self.layout, presets, "lumenray.set_paint_preset")
 
 
 class PartMenu:
@@ -94,7 +87,7 @@ class LUMENRAY_PT_paint(PaintPanel, bpy.types.Panel):
     def draw(self, context):
         layout = self.layout
         settings = context.material.lumenray.paint
-        draw_presets(layout, settings.name, "paint", has_own=True)
+        draw_choice(layout, settings.name, "paint")
         state = tables.paint_tables.state_of(settings)
         if state.problem:
             draw_problem(layout, context, state.problem, readout.REMEDY)
@@ -106,7 +99,7 @@ class LUMENRAY_PT_paint(PaintPanel, bpy.types.Panel):
                 lambda side, is_dark: preview.pictures.icon(reading, min(side, 256), is_dark),
                 preview.pictures.noun,
             )
-        draw_progress(layout, state)
+        draw_progress(layout, state, "paint")
         column = layout.column()
         column.use_property_split = True
         column.prop(settings, "use_sparkle")

@@ -14,7 +14,7 @@ from ...engine.cloth.records import BINS, DrawnExits, Records
 from ...engine.cloth.thread_walk import ThreadOptics, walk_inside
 from ...engine.cloth.tracer import KINDS, WovenScene
 from ...engine.cloth.tubes import lay_out_straight
-from ...engine.paint.composition import Curve
+from ...engine.optical_constants.curves import Curve
 from ...engine.paint.fresnel import face_reflectance
 
 INDEX = 1.557

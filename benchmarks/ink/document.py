@@ -36,6 +36,8 @@ def describe(result: dict, bars) -> str:
         chapters.append(_trend(parts["trend"]))
     if "series" in parts:
         chapters.append(_series(parts["series"]))
+    if "presets" in parts:
+        chapters.append(_presets(parts["presets"]))
     if "processes" in parts:
         timed = parts["processes"]
         clock = ", ".join(f"{one:.1f} s and {two:.1f} s" for one, two in timed["clock_seconds"])
@@ -44,7 +46,9 @@ def describe(result: dict, bars) -> str:
             "## Processes\n\n"
             f"The same job takes {used['one']:.1f} processor seconds with one process, {used['two']:.1f} in two together, "
             f"and {used['twice']:.1f} with one and twice the realisations. By the clock, in turns, their start included: "
-            f"{clock}; two are {timed['gain']:.2f} times as fast as one (median).\n"
+            f"{clock}; two are {timed['gain']:.2f} times as fast as one (median). By processor "
+            f"seconds they would be {timed['gain_of_processors']:.2f} times as fast: what is missing to 2 is what both "
+            "do, or do slower side by side.\n"
         )
     return "\n".join(chapters)
 
@@ -149,6 +153,25 @@ def _trend(rows) -> str:
         "Larger particles are left out: in clear bands they take minutes each.\n\n"
         + table
         + "\n\n![Printed patches by the size of particles](ink_sizes.png)\n"
+    )
+
+
+def _presets(rows) -> str:
+    lines = []
+    for row in rows:
+        begin = f"| {row['name']} | {row['memory_bytes'] / 2**20:.0f} |"
+        if row["problem"]:
+            lines.append(f"{begin} {row['problem']} | | | | | |")
+            continue
+        lab = " | ".join(f"{value:.1f}" for value in row["lab"])
+        lines.append(
+            f"{begin} {lab} | {row['lab_error']:.1g} | {row['grid_error']:.1g} | {row['iterations']:.1f} |"
+        )
+    table = make_table("| preset | MB | L* | a* | b* | error | grid | iterations |", lines, 1)
+    return (
+        "## Presets\n\nAs drafts: memory of one process, colours at 45:0 under D50.\n\n"
+        + table
+        + "\n"
     )
 
 

@@ -9,10 +9,10 @@ from ..common.bars import Bar
 from ..common.machine import describe_machine
 from ..common.output import read_numbers, write_numbers
 from ..common.parts import measure_parts
-from . import series, trend, values
+from . import series, shipped, trend, values
 from .document import describe, draw_series, draw_trend
 
-PARTS = ("reference", "dense", "trend", "series", "processes")
+PARTS = ("reference", "dense", "trend", "series", "presets", "processes")
 
 SIGMAS = 4.0
 
@@ -53,6 +53,7 @@ def run(parts=None, say=lambda text: None, earlier: dict | None = None) -> dict:
         "dense": lambda tell: judge(values.find_dense(tell), is_dense=True),
         "trend": trend.measure_trend,
         "series": series.measure_series,
+        "presets": shipped.measure_presets,
         "processes": trend.measure_processes,
     }
     made = measure_parts(measures, parts, earlier, say)
@@ -127,6 +128,8 @@ def check_bars(result: dict) -> list[Bar]:
     )
     clock = result["parts"].get("processes")
     linear = clock and clock["twice_the_realisations"]
+    presets = result["parts"].get("presets")
+    unsolved = presets and [row["name"] for row in presets if row["problem"]]
     return [
         bar(
             "reference values apart",
@@ -147,6 +150,12 @@ def check_bars(result: dict) -> list[Bar]:
             "twice the time, 15 % apart at most",
             linear and f"{linear:.2f}",
             linear and abs(linear / 2.0 - 1.0) <= 0.15,
+        ),
+        bar(
+            "presets that cannot be solved",
+            "none",
+            presets and (", ".join(unsolved) or "none"),
+            presets and not unsolved,
         ),
     ]
 

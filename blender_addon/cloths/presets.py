@@ -1,9 +1,10 @@
-"""Presets of cloths: the files of compositions that ship."""
+"""Presets of cloths: those that ship, and those of the user, as files of compositions."""
 
 from pathlib import Path
 
 from ...engine.cloth.reader import read_cloth, whole_content
 from ...libraries import cloths
+from ..compositions.presets import CLOTHS, files_of
 from .description import adopt
 from .tables import is_cloth
 
@@ -12,8 +13,13 @@ FIRST = "cotton"
 
 
 def shipped() -> dict[str, Path]:
-    """Return the files of presets, by their names."""
+    """Return the files of presets that ship, by their names."""
     return cloths.presets()
+
+
+def own() -> dict[str, Path]:
+    """Return the files of the user's presets, by their names."""
+    return files_of(CLOTHS)
 
 
 def load(settings, path) -> None:

@@ -18,10 +18,14 @@ class NoFileError(LumenrayError):
 
 
 class NotReadyError(LumenrayError):
-    """A file is being read; ``share`` of the work is done, and the rest takes the time ``left``, if it is known. [s]"""
+    """A file is being read, or that was stopped.
+
+    ``share`` of the work is done, and the rest takes the time ``left``, if it is known. [s]
+    """
 
     share = 0.0
     left: float | None = None
+    is_stopped = False
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +40,7 @@ class State:
     share : float    Of the work that is done while it is being read.
     left : float or None    Forecast of how long the rest takes. [s]
     problem : str    Why it cannot be used, empty if it can.
+    is_stopped : bool    Whether it is not there because whoever wanted it stopped it.
     """
 
     name: str
@@ -44,6 +49,7 @@ class State:
     share: float = 0.0
     left: float | None = None
     problem: str = ""
+    is_stopped: bool = False
 
 
 class FileKind:
@@ -167,7 +173,9 @@ class FileKind:
         try:
             return job.future.result()
         except (Cancelled, CancelledError):
-            raise NotReadyError(self.stopped) from None
+            error = NotReadyError(self.stopped)
+            error.is_stopped = True
+            raise error from None
         except LumenrayError as error:
             raise error.with_traceback(None) from None
 
@@ -180,7 +188,9 @@ class FileKind:
         try:
             return State(name, place, self.obtain(settings, is_patient=False))
         except NotReadyError as error:
-            return State(name, place, share=error.share, left=error.left)
+            return State(
+                name, place, share=error.share, left=error.left, is_stopped=error.is_stopped
+            )
         except LumenrayError as error:
             problem = str(error).removeprefix(f"{self.absolute_path(settings)}: ")
             return State(name, place, problem=problem)
@@ -196,6 +206,15 @@ class FileKind:
     def reload(self, settings) -> None:
         """Have the file of settings read anew."""
         self.forget(settings)
+        settings.id_data.update_tag()
+
+    def stop(self, settings) -> None:
+        """End the reading of what settings choose, if it is under way."""
+        self._shelf.stop(self.source(settings)[0])
+
+    def restart(self, settings) -> None:
+        """Read what settings choose after all, which was stopped."""
+        self._shelf.drop(self.source(settings)[0])
         settings.id_data.update_tag()
 
     def detach(self) -> None:

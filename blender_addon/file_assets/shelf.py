@@ -118,6 +118,20 @@ class Shelf:
             for key in [key for key in self._jobs if not path or path in key]:
                 del self._jobs[key]
 
+    def stop(self, key: tuple) -> None:
+        """End what is under way for a key; who asks for it is told so until it is dropped."""
+        with self._lock:
+            job = self._jobs.get(key)
+        if job is not None:
+            job.stop.set()
+            # What has not begun has nobody to look at its stop.
+            job.future.cancel()
+
+    def drop(self, key: tuple) -> None:
+        """Have what a key stands for read anew when asked for next."""
+        with self._lock:
+            self._jobs.pop(key, None)
+
     def close(self) -> None:
         """Forget all, and stop what is under way."""
         with self._lock:

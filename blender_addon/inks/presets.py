@@ -1,9 +1,10 @@
-"""Presets of pigment layers: the files of compositions that ship."""
+"""Presets of pigment layers: those that ship, and those of the user, as files of compositions."""
 
 from pathlib import Path
 
 from ...engine.ink.reader import read_ink
 from ...libraries import inks
+from ..compositions.presets import INKS, files_of
 from .description import adopt
 from .tables import is_ink
 
@@ -12,8 +13,13 @@ FIRST = "cyan_fine"
 
 
 def shipped() -> dict[str, Path]:
-    """Return the files of presets, by their names."""
+    """Return the files of presets that ship, by their names."""
     return inks.presets()
+
+
+def own() -> dict[str, Path]:
+    """Return the files of the user's presets, by their names."""
+    return files_of(INKS)
 
 
 def load(settings, path) -> None:

@@ -47,5 +47,10 @@ def swatch(settings) -> tuple[float, float, float]:
     printed = ink_tables.state_of(settings).reading
     if printed is None:
         return (0.0, 0.0, 0.0)
-    seen = tristimulus(printed.readings, printed.wavelengths)
+    return shown_colour(printed.readings, printed.wavelengths)
+
+
+def shown_colour(values, wavelengths) -> tuple[float, float, float]:
+    """Linear colour of shares of light in daylight, as far as a screen shows it. Two (w,) arrays, the second in nm"""
+    seen = tristimulus(values, wavelengths)
     return tuple(float(v) for v in np.clip(XYZ_TO_REC709 @ seen, 0.0, 1.0))

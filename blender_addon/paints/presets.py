@@ -2,15 +2,11 @@
 
 from pathlib import Path
 
-import bpy
-
 from ...engine.paint.reader import read_paint, settle_names
 from ...libraries import paints
+from ..compositions.presets import PAINTS, files_of
 from .description import adopt
 from .tables import is_paint
-
-FOLDER = "lumenray_paints"
-"""Of the user's presets."""
 
 FIRST = ("silver_metallic", "violet_pearl")
 """Presets that a new paint may begin with, the first that there is."""
@@ -23,13 +19,7 @@ def shipped() -> dict[str, Path]:
 
 def own() -> dict[str, Path]:
     """Return the files of the user's presets, by their names."""
-    folder = own_folder()
-    return {path.stem: path for path in sorted(folder.glob("*.json"))} if folder.is_dir() else {}
-
-
-def own_folder() -> Path:
-    """Return the folder of the user's presets, which there may not be yet."""
-    return Path(bpy.utils.user_resource("SCRIPTS", path=f"presets/{FOLDER}"))
+    return files_of(PAINTS)
 
 
 def load(settings, path, constituents: dict | None = None) -> None:

@@ -16,6 +16,9 @@ PATCH = 0.16
 COLOURS = ("#3b82c4", "#2f9e6e", "#d0331f", "#8a5bb5", "#b8860b")
 """Of curves of amounts."""
 
+LEGEND = 34
+"""Height of the room for a legend. [pixel]"""
+
 SPREAD = 2.0
 """Standard errors on either side of the curve."""
 
@@ -35,7 +38,8 @@ def draw_ink(made: Computed, size: tuple[int, int] = (800, 600), dark: bool = Fa
     left, top, right, bottom = axes.window
     below = top + PATCH * (bottom - top)
     _fill(canvas, (left, top, right, below), shown_colour(values, wavelengths))
-    axes.window = left, below + 10 * canvas.zoom, right, bottom
+    # No legend stands below.
+    axes.window = left, below + 10 * canvas.zoom, right, bottom + LEGEND * canvas.zoom
     axes.draw(
         np.arange(400.0, 701.0, 50.0),
         np.arange(0.0, top_value + 0.01, 0.2),
@@ -45,12 +49,13 @@ def draw_ink(made: Computed, size: tuple[int, int] = (800, 600), dark: bool = Fa
     errors = SPREAD * made.standard_errors
     for nm, value, error in zip(wavelengths, values, errors, strict=True):
         ends = [tuple(map(float, axes.place(nm, at))) for at in (value - error, value + error)]
-        canvas.line(ends, canvas.colours.axis)
-    canvas.curve(axes.place(wavelengths, values), "#3b82c4", 1.8)
+        canvas.line(ends, canvas.colours.text, 1.4)
+        canvas.dot(axes.place(nm, value), COLOURS[0], 3.0)
+    canvas.curve(axes.place(wavelengths, values), COLOURS[0], 1.8)
     lab = "  ".join(f"{value:.1f}" for value in made.lab)
     axes.title(
         printable(made.printed.ink.name),
-        f"reflectance 45:0; L* a* b* {lab} (D50, 2°, ±{made.lab_error:.2g}); bars: two standard errors",
+        f"reflectance 45:0; L* a* b* {lab} (D50, 2°; within {made.lab_error:.2g}); bars: two standard errors",
     )
     return canvas.finish()
 
@@ -103,7 +108,7 @@ def draw_amounts(curves, size: tuple[int, int] = (900, 640)) -> Image.Image:
             ends = [
                 tuple(map(float, axes.place(place, value + k * SPREAD * error))) for k in (-1, 1)
             ]
-            canvas.line(ends, canvas.colours.axis)
+            canvas.line(ends, canvas.colours.text, 1.4)
             canvas.dot(axes.place(place, value), colour, 3.0)
         canvas.curve(axes.place(at, waves), colour, 1.8)
         canvas.dashed(axes.place(at, transfer), colour, 1.2, (7.0, 4.0))

@@ -9,7 +9,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..paint.composition import Diameters, Index, Spectrum
+from ..optical_constants.curves import Index, Spectrum
+from ..paint.composition import Diameters
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,9 @@ import numpy as np
 
 from ...libraries import cloths
 from ..errors import FileFormatError
-from ..paint.composition import Curve, Diameters
+from ..optical_constants.curves import Curve
+from ..optical_constants.quantities import Quantities
+from ..paint.composition import Diameters
 from ..reading.content import read_json
 from ..reading.json_schema import SchemaError, check_value
 from .composition import Cloth, Pile, Scatterers, Weave, Yarn
@@ -107,7 +109,9 @@ def _yarn(content: dict, place: str) -> Yarn:
         float(content.get("index", INDEX)),
         float(content.get("roughness", ROUGHNESS)),
         scatterers,
-        _spectrum(content.get("absorption_per_mm", 0.0), f"{place}.absorption_per_mm"),
+        Quantities({}).spectrum(
+            content.get("absorption_per_mm", 0.0), f"{place}.absorption_per_mm"
+        ),
     )
 
 
@@ -118,19 +122,6 @@ def _scatterers(content: dict) -> Scatterers:
         Diameters(float(content["diameter_um"]), float(content.get("log_spread", 0.0))),
         float(content["volume_fraction"]),
     )
-
-
-def _spectrum(content, place: str) -> Curve:
-    if not isinstance(content, dict):
-        return Curve(np.array([550.0]), np.array([float(content)]))
-    wavelengths, values = (
-        np.array(content[name], np.float64) for name in ("wavelengths_nm", "values")
-    )
-    if len(wavelengths) != len(values):
-        raise ValueError(f"{place}.values has {len(values)} entries, expected {len(wavelengths)}")
-    if np.any(np.diff(wavelengths) <= 0.0):
-        raise ValueError(f"{place}.wavelengths_nm do not ascend")
-    return Curve(wavelengths, values)
 
 
 def _weave(content: dict, path) -> Weave:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..paint.composition import Index, Spectrum
+from ..optical_constants.curves import Index, Spectrum
 from ..scene.scattering import ScatterTable
 from .particles import Population
 

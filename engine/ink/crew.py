@@ -12,6 +12,7 @@ import queue
 import subprocess
 import sys
 import threading
+from collections import deque
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -42,6 +43,42 @@ TICK = 0.2
 
 Task = tuple[int, int, bool]
 """Realisation, band, and whether on the coarse grid."""
+
+
+class Waiting:
+    """Tasks that no process has begun.
+
+    A process stays with a realisation as long as it has tasks: it has packed its particles, which another one would have to
+    do once more. So two share a realisation only when there are no others left.
+    """
+
+    def __init__(self, tasks: list[Task]):
+        self._lock = threading.Lock()
+        self._rest: dict[tuple[int, bool], deque[Task]] = {}
+        for task in tasks:
+            self._rest.setdefault(_structure_of(task), deque()).append(task)
+        self._begun: set[tuple[int, bool]] = set()
+
+    def take(self, last: Task | None) -> Task | None:
+        """Return the next task of a process that has done the ``last`` one; None when there are none."""
+        with self._lock:
+            if not self._rest:
+                return None
+            own = None if last is None else _structure_of(last)
+            if own not in self._rest:
+                new = (each for each in self._rest if each not in self._begun)
+                own = next(new, None) or max(self._rest, key=lambda each: len(self._rest[each]))
+                self._begun.add(own)
+            task = self._rest[own].popleft()
+            if not self._rest[own]:
+                del self._rest[own]
+            return task
+
+
+def _structure_of(task: Task) -> tuple[int, bool]:
+    """What a process keeps from task to task: the particles of a realisation on a grid."""
+    realisation, _, is_coarse = task
+    return realisation, is_coarse
 
 
 def work(order: dict) -> None:
@@ -95,9 +132,7 @@ def run_tasks(
     SceneError    What a process says cannot be done.
     EngineLost    A process ended by itself.
     """
-    waiting: queue.SimpleQueue = queue.SimpleQueue()
-    for task in tasks:
-        waiting.put(task)
+    waiting = Waiting(tasks)
     done: queue.SimpleQueue = queue.SimpleQueue()
     hands = [_start(order) for _ in range(min(processes, len(tasks)))]
     threads = [
@@ -146,12 +181,11 @@ def _start(order: dict) -> subprocess.Popen:
     return hand
 
 
-def _lead(hand: subprocess.Popen, waiting, done) -> None:
+def _lead(hand: subprocess.Popen, waiting: Waiting, done) -> None:
     """Hand tasks to one process until there are none."""
     task = None
     try:
-        while True:
-            task = waiting.get_nowait()
+        while (task := waiting.take(task)) is not None:
             hand.stdin.write(json.dumps(task).encode() + b"\n")
             hand.stdin.flush()
             line = hand.stdout.readline()
@@ -163,8 +197,8 @@ def _lead(hand: subprocess.Popen, waiting, done) -> None:
                 done.put((task, SceneError(head["fault"])))
                 return
             done.put((task, data))
-    except queue.Empty:
-        return
+        else:
+            return
     except (OSError, ValueError):
         # It ended while it was written to, or in the midst of an answer.
         pass

@@ -23,7 +23,7 @@ from .composition import Ink
 from .crew import Task, run_tasks
 from .plan import Plan
 
-METHOD = 2
+METHOD = 3
 """Version of what is solved; another one has a folder of its own."""
 
 PROBED_BANDS = 3

@@ -12,7 +12,7 @@ from .composition import Ink
 from .packing import count_spheres
 from .relief import CREST
 from .voxels import SAMPLES, SLAB
-from .waves import RESTART
+from .waves import kept_directions
 
 FIRST, LAST = 390.0, 710.0
 """Bands, which begin and end here. [nm]"""
@@ -47,8 +47,8 @@ BASE_MEMORY = 60 << 20
 
 MOST_CELLS = 1 << 27
 
-FIELDS = RESTART + 12
-"""Complex numbers for each cell of the grid while waves are solved."""
+FIELDS = 12
+"""Complex numbers for each cell of the grid while waves are solved, beside the directions that are kept."""
 
 SPHERE_MEMORY = 3000
 """While particles push each other. [byte]"""
@@ -144,7 +144,11 @@ def memory_of(ink: Ink, plan: Plan) -> int:
     )
     packing = SPHERE_MEMORY * spheres + (100 << 20 if particles else 0)
     grid = 8 * cells * (len(particles) + 2)
-    return BASE_MEMORY + grid + max(packing, points + (64 << 20), 16 * cells * FIELDS)
+    return (
+        BASE_MEMORY
+        + grid
+        + max(packing, points + (64 << 20), 16 * cells * (FIELDS + kept_directions(cells)))
+    )
 
 
 def solves_of(ink: Ink, plan: Plan) -> int:

@@ -6,7 +6,8 @@ from pathlib import Path
 
 from ...libraries import inks
 from ..errors import FileFormatError
-from ..paint.reader import Quantities, known_constituents
+from ..optical_constants.quantities import Quantities
+from ..paint.reader import known_constituents
 from ..reading.content import read_json
 from ..reading.json_schema import SchemaError, check_value
 from ..scene.scattering import ScatterTable
@@ -47,7 +48,7 @@ def parse_ink(content: dict, path="ink") -> Ink:
     """
     try:
         check_value(content, schema())
-        return _Maker(path, known_constituents()).ink(content)
+        return _Maker(known_constituents()["indices"], path).ink(content)
     except (SchemaError, ValueError) as error:
         raise FileFormatError(path, str(error)) from None
 

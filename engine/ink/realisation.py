@@ -33,6 +33,14 @@ def pack_ink(ink: Ink, width: float, seed: int, realisation: int) -> Packing:
     return pack(populations, width, thickness_of(ink, realisation), [seed, realisation])
 
 
+def face_of(ink: Ink, plan: Plan, realisation: int) -> np.ndarray:
+    """Heights of a realisation's upper face above its mean, (columns, columns); (0, 0) where it is smooth. [um]"""
+    if not ink.relief:
+        return np.zeros((0, 0))
+    rng = np.random.default_rng([plan.seed, realisation, 2])
+    return random_heights(ink.relief.height, ink.relief.length, plan.width, plan.columns, rng)
+
+
 @lru_cache(maxsize=1)
 def _structure(ink: Ink, plan: Plan, realisation: int) -> tuple[np.ndarray, float, np.ndarray]:
     """Shares of the particles on the grid, the grid's height, and the face's heights over its mean or nothing."""
@@ -49,11 +57,7 @@ def _structure(ink: Ink, plan: Plan, realisation: int) -> tuple[np.ndarray, floa
             packing.populations, packing.width, whole, packing.steps,
         )  # fmt: skip
         shares = fill_shares(lowered, (layers, columns)) * (height / whole if crest else 1.0)
-    heights = np.zeros((0, 0))
-    if ink.relief:
-        rng = np.random.default_rng([plan.seed, realisation, 2])
-        heights = random_heights(ink.relief.height, ink.relief.length, plan.width, columns, rng)
-    return shares, whole, heights
+    return shares, whole, face_of(ink, plan, realisation)
 
 
 def cell_of(ink: Ink, plan: Plan, realisation: int, wavelength: float) -> Cell:

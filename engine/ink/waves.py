@@ -28,10 +28,13 @@ import numpy as np
 from ..errors import SceneError
 from .krylov import Found, solve_linear
 
-RESTART = 30
-"""Directions that the iteration keeps before it starts anew."""
+LEAST_KEPT, MOST_KEPT = 30, 200
+"""Directions that the iteration keeps before it starts anew; what strong scatterers take it learns only from many."""
 
-PLAIN_ITERATIONS = 60
+MOST_MEMORY = 1 << 30
+"""Of them beyond the least. [byte]"""
+
+PLAIN_ITERATIONS = 120
 """Iterations after which waves that run along the layer are held to be the cause, and damped."""
 
 MOST_ITERATIONS = 600
@@ -149,14 +152,16 @@ class Waves:
         SceneError    The iteration does not get there.
         """
         start, up, down = self._undisturbed(order)
-        found = solve_linear(self._disturb, start, tolerance, RESTART, PLAIN_ITERATIONS)
+        kept = kept_directions(start.size)
+        found = solve_linear(self._disturb, start, tolerance, kept, PLAIN_ITERATIONS)
         if found.residual > tolerance:
             found = self._solve_damped(start, tolerance, found.iterations)
         if found.residual > tolerance:
             raise SceneError(
                 f"waves of {2000.0 * np.pi / self.k0:.0f} nm do not settle in the layer: residual "
                 f"{found.residual:.2g} after {found.iterations} iterations, expected "
-                f"{tolerance:g}; change the cell's width by a hundredth"
+                f"{tolerance:g}; change the cell's width by a hundredth, or take smaller particles or an index nearer to "
+                "the binder's"
             )
         sent = self._send_out(self._strength * found.answer)
         sent[0][order] += up
@@ -192,8 +197,9 @@ class Waves:
         def damp(field):
             return field + strength * damped.spread(field)
 
+        kept = kept_directions(start.size)
         found = solve_linear(
-            lambda field: self._disturb(damp(field)), start, tolerance, RESTART, MOST_ITERATIONS
+            lambda field: self._disturb(damp(field)), start, tolerance, kept, MOST_ITERATIONS
         )
         return Found(damp(found.answer), used + found.iterations, found.residual)
 
@@ -268,6 +274,11 @@ class Waves:
     def carrying(self) -> tuple[np.ndarray, np.ndarray]:
         """Which modes carry power away above and below, (y, x)."""
         return self.above.imag == 0.0, self.below.imag == 0.0
+
+
+def kept_directions(cells: int) -> int:
+    """How many fields of a grid the iteration keeps."""
+    return min(max(MOST_MEMORY // (16 * cells), LEAST_KEPT), MOST_KEPT)
 
 
 def _root(square) -> np.ndarray:

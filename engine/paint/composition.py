@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..optical_constants.curves import Curve, Index, Spectrum
 from ..scene.scattering import ScatterTable
 
 MEAN_TILT = math.sqrt(math.pi / 2.0)
@@ -20,46 +21,6 @@ RMS_TILT = math.sqrt(2.0)
 
 LIKELY = 1.2815515655446004
 """Standard deviations below and above which a tenth of a normal distribution lies each. [-]"""
-
-
-@dataclass(frozen=True, eq=False)
-class Curve:
-    """Values that are linear between wavelengths and hold beyond the first and last.
-
-    Parameters
-    ----------
-    wavelengths : (n,) float64 array    Ascending; one: the same at all. [nm]
-    values : (n,) float64 or complex128 array
-    """
-
-    wavelengths: np.ndarray
-    values: np.ndarray
-
-    def at(self, wavelengths) -> np.ndarray:
-        """Values at wavelengths. (w,) [nm] -> (w,)"""
-        return np.interp(np.asarray(wavelengths, np.float64), self.wavelengths, self.values)
-
-
-@dataclass(frozen=True)
-class Cauchy:
-    """Refractive index A + B / lambda2 + C / lambda4 with lambda in micrometres.
-
-    Parameters
-    ----------
-    terms : tuple of float    A, B, C; [-], [um2], [um4]
-    """
-
-    terms: tuple[float, ...]
-
-    def at(self, wavelengths) -> np.ndarray:
-        """Index at wavelengths. (w,) [nm] -> (w,)"""
-        squared = (np.asarray(wavelengths, np.float64) * 1e-3) ** 2
-        return sum(term / squared**power for power, term in enumerate(self.terms))
-
-
-Spectrum = Curve
-
-Index = Curve | Cauchy
 
 
 @dataclass(frozen=True)

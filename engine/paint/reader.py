@@ -9,6 +9,8 @@ import numpy as np
 
 from ...libraries import paints
 from ..errors import FileFormatError
+from ..optical_constants.curves import Curve, Spectrum
+from ..optical_constants.quantities import Quantities, find_named, read_pairs
 from ..reading.content import read_json
 from ..reading.json_schema import SchemaError, check_value
 from ..scene.scattering import ScatterTable
@@ -17,18 +19,14 @@ from .composition import (
     RMS_TILT,
     Amount,
     Binder,
-    Cauchy,
-    Curve,
     Diameters,
     Film,
     Flakes,
     Grains,
-    Index,
     Layer,
     Medium,
     Mirror,
     Paint,
-    Spectrum,
     Stack,
     volume_fractions,
 )
@@ -89,7 +87,7 @@ def parse_paint(content: dict, constituents: dict | None = None, path="paint") -
         check_value(content, schema())
         content = _filled(content, parts)
         check_value(content, schema())
-        return _Maker(path, parts).paint(content)
+        return _Maker(parts["indices"], path).paint(content)
     except (SchemaError, ValueError) as error:
         raise FileFormatError(path, str(error)) from None
 
@@ -176,7 +174,9 @@ def _filled(content: dict, parts: dict) -> dict:
     for number, layer in enumerate(content["layers"]):
         own = dict(layer)
         if isinstance(layer["binder"], str):
-            own["binder"] = _named(parts, "binders", layer["binder"], f"layers[{number}].binder")
+            own["binder"] = find_named(
+                parts["binders"], "binders", layer["binder"], f"layers[{number}].binder"
+            )
         for kind in ("flakes", "pigments"):
             own[kind] = [
                 _merged(parts, kind, each, f"layers[{number}].{kind}[{k}]")
@@ -190,7 +190,7 @@ def _merged(parts: dict, kind: str, own: dict, place: str) -> dict:
     group = _WAYS[kind]
     whole = own
     if "constituent" in own:
-        named = _named(parts, kind, own["constituent"], place)
+        named = find_named(parts[kind], kind, own["constituent"], place)
         # Of things that exclude each other the own one counts.
         named = {
             name: value
@@ -203,62 +203,6 @@ def _merged(parts: dict, kind: str, own: dict, place: str) -> dict:
     if "grains" in whole and "amount" not in whole:
         raise ValueError(f"{place} lacks 'amount'")
     return whole
-
-
-def _named(parts: dict, kind: str, name: str, place: str) -> dict:
-    if name not in parts[kind]:
-        known = ", ".join(parts[kind]) or "none"
-        raise ValueError(
-            f"{place} names '{name}', which is not among the {kind} of the library: {known}"
-        )
-    return {key: value for key, value in parts[kind][name].items() if key != "source"}
-
-
-class Quantities:
-    """Makes spectra and indices of what a checked description says of them.
-
-    Parameters
-    ----------
-    path : str or Path    Of the description.
-    parts : dict    As of `known_constituents`.
-    """
-
-    def __init__(self, path, parts: dict):
-        self.path, self.parts = path, parts
-
-    def spectrum(self, content, place: str, most: float = math.inf) -> Spectrum:
-        """Make a spectrum. Raises ValueError where it breaks what it has to keep, as `index`."""
-        if isinstance(content, dict):
-            curve = Curve(*_pairs(content["wavelengths_nm"], content["values"], f"{place}.values"))
-        else:
-            curve = Curve(np.array([550.0]), np.array([float(content)]))
-        if curve.values.max() > most:
-            raise ValueError(
-                f"{place} is {curve.values.max():g} somewhere, expected {most:g} at most"
-            )
-        return curve
-
-    def index(self, content, place: str) -> Index:
-        """Make a refractive index."""
-        names = set()
-        while isinstance(content, str):
-            if content in names:
-                raise ValueError(f"{place} names '{content}', which names itself")
-            names.add(content)
-            content = _named(self.parts, "indices", content, place)["index"]
-        if not isinstance(content, dict):
-            return Curve(np.array([550.0]), np.array([float(content)]))
-        if "cauchy_um" in content:
-            index = Cauchy(tuple(float(term) for term in content["cauchy_um"]))
-            if index.at([300.0, 1200.0]).min() < 1.0:
-                raise ValueError(f"{place} falls below 1 between 300 and 1200 nm")
-            return index
-        wavelengths, values = _pairs(content["wavelengths_nm"], content["n"], f"{place}.n")
-        if "k" in content:
-            values = values + 1j * _pairs(content["wavelengths_nm"], content["k"], f"{place}.k")[1]
-        if not np.abs(values).min() > 0.0:
-            raise ValueError(f"{place} is 0 somewhere")
-        return Curve(wavelengths, values)
 
 
 class _Maker(Quantities):
@@ -375,7 +319,7 @@ class _Maker(Quantities):
         own, where = content["medium"], f"{place}.medium"
         phase = None
         if "phase_angles_deg" in own:
-            angles, values = _pairs(
+            angles, values = read_pairs(
                 own["phase_angles_deg"], own["phase_values"], f"{where}.phase_values"
             )
             phase = Curve(np.radians(angles), values)
@@ -388,15 +332,6 @@ class _Maker(Quantities):
             phase,
             name,
         )
-
-
-def _pairs(places: list, values: list, where: str) -> tuple[np.ndarray, np.ndarray]:
-    if len(places) != len(values):
-        raise ValueError(f"{where} has {len(values)} entries, expected {len(places)}")
-    places = np.array(places, np.float64)
-    if np.any(np.diff(places) <= 0.0):
-        raise ValueError(f"{where}: the numbers that it goes by do not ascend")
-    return places, np.array(values, np.float64)
 
 
 def _amount(content: dict) -> Amount:

@@ -307,6 +307,47 @@ def cloths():
     bpy.data.objects.remove(item)
 
 
+def inks():
+    """A pigment layer while it is computed, cancelled, and done; and its particles in the view."""
+    cube, view = bpy.data.objects["Cube"], area_of("VIEW_3D")
+    activate(cube)
+    material = cube.active_material
+    settings = material.lumenray
+    settings.use_override, settings.model = True, "INK"
+    tables = module("blender_addon.inks.tables").ink_tables
+    yield from tab("ink_computing", "MATERIAL")
+    with bpy.context.temp_override(window=window(), material=material):
+        bpy.ops.lumenray.cancel_ink()
+    yield from wait_for(lambda: tables.state_of(settings.ink).is_stopped, "the stop", 60.0)
+    yield from tab("ink_cancelled", "MATERIAL")
+    view.spaces.active.shading.color_type = "MATERIAL"
+    cube.hide_set(True)
+    with override(view), bpy.context.temp_override(material=material):
+        # What scripts set is in no step by itself.
+        bpy.ops.ed.undo_push(message="Pigment layer")
+        bpy.ops.lumenray.show_ink_particles("EXEC_DEFAULT", True)
+        box = next(each for each in bpy.data.objects if "magnification" in each)
+        name = box.name
+        activate(box)
+        bpy.ops.view3d.view_selected()
+    yield from sidebar("sidebar_ink_particles")
+    picture("view_ink_particles", region_of(view))
+    with override(view):
+        bpy.ops.ed.undo()
+    yield DRAWN
+    log.check(name not in bpy.data.objects, "one step back takes the particles away")
+    log.check("Cube" in bpy.data.objects, "and leaves the rest")
+    cube = bpy.data.objects["Cube"]
+    cube.hide_set(False)
+    activate(cube)
+    settings = cube.active_material.lumenray
+    with bpy.context.temp_override(window=window(), material=cube.active_material):
+        bpy.ops.lumenray.compute_ink()
+    yield from wait_for(lambda: tables.state_of(settings.ink).reading, "the pigment layer", 400.0)
+    yield from tab("ink", "MATERIAL")
+    settings.use_override = False
+
+
 def show_sunny_picture(world):
     """Let a world show an even sky with a clipped sun over a dark ground."""
     image = bpy.data.images.new("street.hdr", 256, 128, float_buffer=True)
@@ -509,6 +550,7 @@ CASES = {
         goniometers,
         materials,
         cloths,
+        inks,
         worlds,
         renders,
         modelling,
@@ -523,4 +565,5 @@ bpy.context.preferences.view.show_splash = False
 # In the same window, of which pictures are taken.
 bpy.context.preferences.view.render_display_type = "AREA"
 bpy.context.preferences.system.use_region_overlap = False
-start([prepare, *(CASES[name] for name in wanted or CASES)], Log(), end)
+log = Log()
+start([prepare, *(CASES[name] for name in wanted or CASES)], log, end)

@@ -8,12 +8,16 @@ import numpy as np
 import pytest
 from panels import context, draw, interface
 
+from lumenray.blender_addon.compositions import presets as own_presets
 from lumenray.blender_addon.foundation.report import ConversionReport
 from lumenray.blender_addon.inks import readout, tables
 from lumenray.blender_addon.inks.description import adopt, describe
 from lumenray.blender_addon.sync.materials.overrides import convert_override
-from lumenray.engine.errors import SceneError
+from lumenray.engine.errors import Cancelled, SceneError
+from lumenray.engine.ink.particles import chain_of
+from lumenray.engine.ink.plan import make_plan
 from lumenray.engine.ink.reader import parse_ink
+from lumenray.engine.ink.realisation import face_of, pack_ink
 from lumenray.engine.ink.surface import PrintedSurface
 from lumenray.engine.scene.material import Diffuse, Measured
 from lumenray.engine.scene.scattering import ScatterTable
@@ -154,6 +158,34 @@ def test_while_a_print_is_computed_the_panel_says_what_it_takes(material, monkey
     assert "Not computed yet" in colour
 
 
+def test_a_computation_can_be_cancelled_and_begun_again(material, monkeypatch):
+    begun = []
+
+    def compute(text, is_draft, job):
+        begun.append(text)
+        if len(begun) == 1:
+            assert job.stop.wait(60.0)
+            raise Cancelled("stopped")
+        return printed_surface(0.5)
+
+    monkeypatch.setattr(tables, "compute", compute)
+    tables.ink_tables.forget()
+    settings = material.lumenray
+    convert_override(settings, ConversionReport(), "Print", is_patient=False)
+    with bpy.context.temp_override(material=material):
+        assert "lumenray.cancel_ink" in draw("LUMENRAY_PT_ink", context(material=material))
+        bpy.ops.lumenray.cancel_ink()
+        # A render that waits for the layer is let go.
+        surface, _ = convert_override(settings, ConversionReport(), "Print")
+        assert isinstance(surface, Diffuse)
+        assert "lumenray.compute_ink" in draw("LUMENRAY_PT_ink", context(material=material))
+        bpy.ops.lumenray.compute_ink()
+        surface, _ = convert_override(settings, ConversionReport(), "Print")
+    assert isinstance(surface, Measured)
+    assert len(begun) == 2
+    tables.ink_tables.forget()
+
+
 def test_what_is_wrong_with_a_print_is_told(material, monkeypatch):
     def refuse(text, is_draft, job):
         raise SceneError("particles of 70 % of the volume do not fit")
@@ -168,14 +200,19 @@ def test_what_is_wrong_with_a_print_is_told(material, monkeypatch):
     tables.ink_tables.forget()
 
 
-def test_files_and_presets_hold_the_composition(material, tmp_path):
+def test_files_and_presets_hold_the_composition(material, tmp_path, monkeypatch):
     settings = material.lumenray.ink
+    monkeypatch.setattr(own_presets, "folder_of", lambda kind: tmp_path / kind)
     adopt(settings, CONTENT)
     with bpy.context.temp_override(material=material):
         bpy.ops.lumenray.save_ink(filepath=str(tmp_path / "mine"))
         assert json.loads((tmp_path / "mine.json").read_text(encoding="utf-8")) == CONTENT
+        bpy.ops.lumenray.add_ink_preset(name="My print")
         bpy.ops.lumenray.set_ink_preset(preset="carbon_black")
         assert settings.name == "Carbon black"
+        bpy.ops.lumenray.set_ink_preset(preset="my_print")
+        assert describe(settings) == CONTENT
+        bpy.ops.lumenray.set_ink_preset(preset="carbon_black")
         bpy.ops.lumenray.load_ink(filepath=str(tmp_path / "mine.json"))
         assert describe(settings) == CONTENT
         (tmp_path / "broken.json").write_text('{"lumenray_ink": 1}')
@@ -183,3 +220,69 @@ def test_files_and_presets_hold_the_composition(material, tmp_path):
             bpy.ops.lumenray.load_ink(filepath=str(tmp_path / "broken.json"))
         assert settings.name == "Test"
     assert "lumenray.set_ink_preset" in draw("LUMENRAY_MT_ink_presets", context())
+
+
+@pytest.fixture
+def shown():
+    """Gives what is in the scene that was not there, and takes it away."""
+    before = set(bpy.data.objects)
+    yield lambda: [each for each in bpy.data.objects if each not in before]
+    for item in set(bpy.data.objects) - before:
+        bpy.data.objects.remove(item)
+
+
+def test_particles_are_shown_where_waves_meet_them(material, shown):
+    settings = material.lumenray.ink
+    content = CONTENT | {"solution": {"cell_um": 0.7, "seed": 3}}
+    adopt(settings, content)
+    ink = parse_ink(content)
+    plan = make_plan(ink, draft=True)
+    packing = pack_ink(ink, plan.width, plan.seed, 3)
+    bpy.context.scene.cursor.location = 1.0, 2.0, 3.0
+    with bpy.context.temp_override(material=material):
+        bpy.ops.lumenray.show_ink_particles(realisation=3, magnification=2e4)
+    box = next(each for each in shown() if "magnification" in each)
+    (points,) = box.children
+    assert len(shown()) == 2
+    assert "1 µm = 2 cm" in box.name
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    frames = np.array(
+        [
+            each.matrix_world.copy()
+            for each in depsgraph.object_instances
+            if each.is_instance and each.parent.original == points
+        ]
+    )
+    # Spheres of every chain, as nodes have placed them, over those that are packed.
+    chain = chain_of("rice")
+    spots = np.stack([0.0 * chain.places, 0.0 * chain.places, chain.places], axis=1)
+    seen = np.einsum("nij,mj->nmi", frames[:, :3, :3], spots) + frames[:, None, :3, 3]
+    flat = (np.array([1.0, 1.0, -1.0]) * seen.reshape(-1, 3) - [1.0, 2.0, -3.0]) / 0.02
+    flat += np.array([0.5, 0.5, 0.0]) * plan.width + np.array([0.0, 0.0, packing.thickness])
+    flat[:, :2] %= plan.width
+    centres, radii, _ = packing.spheres()
+    apart = flat[:, None] - centres[None]
+    apart[..., :2] -= plan.width * np.round(apart[..., :2] / plan.width)
+    nearest = np.linalg.norm(apart, axis=-1)
+    assert len(flat) == len(centres)
+    assert nearest.min(axis=0).max() < 1e-5
+    lengths = np.linalg.norm(frames[:, :3, 2], axis=1)
+    assert np.sort(np.outer(lengths, chain.radii).ravel()) == pytest.approx(
+        np.sort(0.02 * radii), rel=1e-5
+    )
+    hills = face_of(ink, plan, 3)
+    top = 0.02 * (packing.thickness + hills.max())
+    assert tuple(box.dimensions) == pytest.approx(
+        (0.02 * plan.width, 0.02 * plan.width, top), rel=0.02
+    )
+
+
+def test_too_many_particles_are_not_shown(material, shown):
+    pigment = {"index": 1.4, "volume_fraction": 0.5, "median_um": 0.03}
+    adopt(material.lumenray.ink, CONTENT | {"pigments": [pigment], "solution": {"cell_um": 3.0}})
+    with (
+        bpy.context.temp_override(material=material),
+        pytest.raises(RuntimeError, match="too many to show"),
+    ):
+        bpy.ops.lumenray.show_ink_particles()
+    assert not shown()

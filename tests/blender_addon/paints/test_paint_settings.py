@@ -9,10 +9,11 @@ import numpy as np
 import pytest
 from panels import context, draw, finish_pictures, interface
 
+from lumenray.blender_addon.compositions import presets as own_presets
 from lumenray.blender_addon.compositions.description import digest_of, to_text
 from lumenray.blender_addon.file_assets.pictures import Pictures
 from lumenray.blender_addon.foundation.report import ConversionReport
-from lumenray.blender_addon.paints import parts, presets, preview, readout, tables
+from lumenray.blender_addon.paints import parts, preview, readout, tables
 from lumenray.blender_addon.paints.description import adopt, adopt_part, describe
 from lumenray.blender_addon.paints.parts import names_of
 from lumenray.blender_addon.sync.materials.overrides import convert_override
@@ -279,7 +280,7 @@ def test_layers_and_parts_are_added_moved_and_removed(material):
 def test_files_and_presets_hold_the_composition(material, tmp_path, monkeypatch):
     settings = material.lumenray.paint
     adopt(settings, CONTENT)
-    monkeypatch.setattr(presets, "own_folder", lambda: tmp_path / "presets")
+    monkeypatch.setattr(own_presets, "folder_of", lambda kind: tmp_path / kind)
     with bpy.context.temp_override(material=material):
         bpy.ops.lumenray.save_paint(filepath=str(tmp_path / "mine"))
         assert without_empty(json.loads((tmp_path / "mine.json").read_text())) == CONTENT

@@ -12,7 +12,8 @@ import mitsuba as mi
 
 from lumenray.engine.cloth.composition import Cloth, Scatterers, Yarn
 from lumenray.engine.cloth.weave import plain
-from lumenray.engine.paint.composition import Curve, Diameters
+from lumenray.engine.optical_constants.curves import Curve
+from lumenray.engine.paint.composition import Diameters
 from lumenray.engine.transport import backend
 
 pytestmark = [pytest.mark.mitsuba, pytest.mark.validation, pytest.mark.slow]

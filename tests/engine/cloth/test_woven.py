@@ -10,7 +10,8 @@ pytest.importorskip("mitsuba")
 from lumenray.engine.cloth.composition import Cloth, Scatterers, Yarn
 from lumenray.engine.cloth.readings import hue_saturation_value, read_sheet
 from lumenray.engine.cloth.weave import plain
-from lumenray.engine.paint.composition import Curve, Diameters
+from lumenray.engine.optical_constants.curves import Curve
+from lumenray.engine.paint.composition import Diameters
 from lumenray.engine.scattering.data.evaluation import evaluate, measure_reciprocity, totals
 from lumenray.engine.transport import backend
 

@@ -1,0 +1,1 @@
+"""Refractive indices and spectra of matter over the wavelength: as data (curves), and as files state them (quantities)."""
