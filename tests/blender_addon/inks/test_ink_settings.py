@@ -1,6 +1,7 @@
 """Pigment layers in Blender: descriptions go through settings unchanged, edits reach the engine's scene, errors are told."""
 
 import json
+import threading
 from concurrent.futures import Future
 
 import bpy
@@ -159,11 +160,12 @@ def test_while_a_print_is_computed_the_panel_says_what_it_takes(material, monkey
 
 
 def test_a_computation_can_be_cancelled_and_begun_again(material, monkeypatch):
-    begun = []
+    begun, is_under_way = [], threading.Event()
 
     def compute(text, is_draft, job):
         begun.append(text)
         if len(begun) == 1:
+            is_under_way.set()
             assert job.stop.wait(60.0)
             raise Cancelled("stopped")
         return printed_surface(0.5)
@@ -172,6 +174,8 @@ def test_a_computation_can_be_cancelled_and_begun_again(material, monkeypatch):
     tables.ink_tables.forget()
     settings = material.lumenray
     convert_override(settings, ConversionReport(), "Print", is_patient=False)
+    # What has not begun is not computed at all.
+    assert is_under_way.wait(60.0)
     with bpy.context.temp_override(material=material):
         assert "lumenray.cancel_ink" in draw("LUMENRAY_PT_ink", context(material=material))
         bpy.ops.lumenray.cancel_ink()
