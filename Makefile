@@ -70,7 +70,7 @@ smoke: setup ## install the zip into a real Blender, render and bake there (root
 enabling: setup ## tell what enabling the extension takes in a real Blender (root)
 	@tests/real_blender/run_enabling.sh
 
-viewer: setup ## load an exported scene in three.js in a headless Chromium (root the first time)
+viewer: setup ## load an exported scene in three.js, and use the service's page, in a headless Chromium (root the first time)
 	@tests/viewer/setup.sh
 	$(PYTHON_IN_VENV) -m pytest tests/viewer
 

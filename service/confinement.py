@@ -9,6 +9,7 @@
 What is given up is given up for good, for all processes that are begun later, too.
 """
 
+import contextlib
 import ctypes
 import os
 import sys
@@ -131,10 +132,11 @@ def _leave_network() -> None:
     if _libc().unshare(_NEW_USER | _NEW_NETWORK) != 0:
         # Not allowed to all users everywhere; Landlock refuses TCP in that case.
         return
-    # Without a map of users the process would be nobody, even to itself.
-    Path("/proc/self/setgroups").write_text("deny")
-    Path("/proc/self/uid_map").write_text(f"{owner} {owner} 1")
-    Path("/proc/self/gid_map").write_text(f"{group} {group} 1")
+    # Without a map of users the process would be nobody, even to itself; where none may be made it has its files still.
+    with contextlib.suppress(PermissionError):
+        Path("/proc/self/setgroups").write_text("deny")
+        Path("/proc/self/uid_map").write_text(f"{owner} {owner} 1")
+        Path("/proc/self/gid_map").write_text(f"{group} {group} 1")
 
 
 def _set_limits(limits: Limits) -> None:
