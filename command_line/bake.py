@@ -154,17 +154,30 @@ def run(options) -> int:
     return assumptions.exit_code(job.report, options.accept_missing, job.shortfall)
 
 
+VERDICTS = "verdicts.json"
+"""File of the verdicts on maps, beside their report."""
+
+
 def _judge(job, options, requirement, area: str, limits: int) -> None:
-    """Say of every map whether it meets a requirement."""
-    from ..engine.judgement.assessment import assess, figures_of_map, tell
+    """Say of every map whether it meets a requirement, and write it down."""
+    from ..engine.formats.report import write_json
+    from ..engine.judgement.assessment import assess, describe, figures_of_map, tell
     from .output import name_cell
 
+    rows = []
     for made in job.maps:
         figures, seconds = figures_of_map(made, limits), made.provenance.seconds
         judged = assess(
             requirement, area, figures, seconds, options.maintenance, is_modified=options.modified
         )
         say(f"{name_cell(made.name)}: " + "\n".join(tell(judged)))
+        rows.append({"object": made.name, **describe(judged)})
+    asked = {
+        "key": requirement.key,
+        "title": requirement.title,
+        "standard": requirement.standard,
+    }
+    write_json(options.output / VERDICTS, asked | {"areas": rows})
 
 
 def _save(path: Path, job, kept) -> None:

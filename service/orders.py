@@ -24,6 +24,8 @@ LONGEST_NAME = 255
 
 _SIZE = re.compile(r"([1-9]\d{0,4})x([1-9]\d{0,4})")
 
+_REQUIREMENT = re.compile(r"[a-z][a-z0-9_]*(\.[a-z0-9_]+)+(:[a-z]+)?")
+
 
 @dataclass(frozen=True)
 class Option:
@@ -33,7 +35,8 @@ class Option:
     ----------
     words : str    What it does, for people.
     kind : str
-        ``integer``, ``number`` or ``boolean`` of JSON, ``names`` (array of names of objects), ``size`` or ``choice``.
+        ``integer``, ``number`` or ``boolean`` of JSON, ``names`` (array of names of objects), ``size``, ``requirement``
+        or ``choice``.
     least, most : float    Of a number, both included.
     choices : tuple of str
     flag : str    Option of the command line; empty: its own name.
@@ -62,6 +65,8 @@ class Option:
             return f"one of {', '.join(self.choices)}"
         if self.kind == "names":
             return f"a list of 1 to {MOST_NAMES} names of objects without commas"
+        if self.kind == "requirement":
+            return "a requirement such as office.writing or office.writing:task"
         if self.kind == "size":
             return "WIDTHxHEIGHT such as 640x400, each from 4 to 16384"
         return "true or false"
@@ -76,6 +81,8 @@ class Option:
         elif self.kind == "names":
             names = {"type": "string", "minLength": 1, "pattern": "^[^,]+$"}
             made = {"type": "array", "items": names, "minItems": 1, "maxItems": MOST_NAMES}
+        elif self.kind == "requirement":
+            made = {"type": "string", "pattern": f"^{_REQUIREMENT.pattern}$", "maxLength": 100}
         elif self.kind == "size":
             made = {"type": "string", "pattern": f"^{_SIZE.pattern}$"}
         else:
@@ -90,6 +97,9 @@ class Option:
             return fits and not isinstance(value, bool) and self.least <= value <= self.most
         if self.kind == "choice":
             return isinstance(value, str) and value in self.choices
+        if self.kind == "requirement":
+            fits = isinstance(value, str) and len(value) <= 100
+            return fits and _REQUIREMENT.fullmatch(value) is not None
         if self.kind == "size":
             found = _SIZE.fullmatch(value) if isinstance(value, str) else None
             return found is not None and all(4 <= int(side) <= 16384 for side in found.groups())
@@ -119,6 +129,8 @@ _RULE = {
     "seed": Option("Same seed, same result", "integer", 0, 2**31 - 1),
 }
 
+_REQUIRE = Option("Requirement by which it is judged, such as office.writing", "requirement")
+
 KINDS = {
     "render": _RULE
     | {
@@ -138,8 +150,9 @@ KINDS = {
             "Light kept apart, for a mix", "choice", choices=("none", "groups", "each")
         ),
         "isolux_lines": Option("Also draw isolux lines", "boolean"),
+        "require": _REQUIRE,
     },
-    "measure": _RULE,
+    "measure": _RULE | {"require": _REQUIRE},
     "daylight": _RULE
     | {
         "floor": Option("Objects above which sensors stand", "names"),

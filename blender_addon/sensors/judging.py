@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 from ...engine.accuracy.readings import FREEDOM
 from ...engine.analysis.glare_sources import THRESHOLD
 from ...engine.analysis.sensor_colours import rendering_range
-from ...engine.judgement.assessment import Assessment, assess, count_limits
+from ...engine.judgement.assessment import Assessment, assess, count_limits, describe_limit
+from ...engine.judgement.assessment import describe as describe_assessment
 from ...engine.judgement.assessment import tell as tell_assessment
 from ...engine.judgement.figures import find_figures
 from ...engine.judgement.observers import judge_observers
@@ -254,39 +255,16 @@ def describe(judged: Judged) -> dict:
         "state": judged.state.value,
         "not_measured": judged.missing,
         "areas": [
-            {
-                "object": name,
-                "area": assessment.area,
-                "state": assessment.state.value,
-                "maintenance": assessment.maintenance,
-                "seconds_more": assessment.seconds,
-                "limits": [_limit(each) for each in assessment.verdicts],
-            }
+            {"object": name, **describe_assessment(assessment)}
             for name, assessment in judged.areas.items()
         ],
         "observers": [
             {
                 "object": name,
                 "state": overall(verdicts).value,
-                "limits": [_limit(each) for each in verdicts],
+                "limits": [describe_limit(each) for each in verdicts],
             }
             for name, verdicts in judged.observers.items()
         ],
         "not_judged": judged.skipped,
-    }
-
-
-def _limit(verdict: Verdict) -> dict:
-    found = verdict.found
-    values = [None] * 3
-    if found is not None:
-        ends = (found.value, found.low, found.high)
-        values = [each if math.isfinite(each) else None for each in ends]
-    return {
-        "name": verdict.name,
-        "limit": verdict.limit,
-        "is_most": verdict.is_most,
-        "value": values[0],
-        "range": values[1:],
-        "state": verdict.state.value,
     }

@@ -1,5 +1,6 @@
 """What an area's figures say of a requirement."""
 
+import math
 from dataclasses import dataclass
 
 from ..accuracy.extremes import Extreme
@@ -135,6 +136,34 @@ def tell(made: Assessment) -> list[str]:
             f"  illuminances are multiplied by the maintenance factor {made.maintenance:g}"
         )
     return lines
+
+
+def describe(made: Assessment) -> dict:
+    """The same as plain data for JSON."""
+    return {
+        "area": made.area,
+        "state": made.state.value,
+        "maintenance": made.maintenance,
+        "seconds_more": made.seconds,
+        "limits": [describe_limit(each) for each in made.verdicts],
+    }
+
+
+def describe_limit(verdict: Verdict) -> dict:
+    """A verdict as plain data for JSON; numbers that are not finite are null."""
+    found = verdict.found
+    values = [None] * 3
+    if found is not None:
+        ends = (found.value, found.low, found.high)
+        values = [each if math.isfinite(each) else None for each in ends]
+    return {
+        "name": verdict.name,
+        "limit": verdict.limit,
+        "is_most": verdict.is_most,
+        "value": values[0],
+        "range": values[1:],
+        "state": verdict.state.value,
+    }
 
 
 def _words(verdict: Verdict, unit: str) -> str:

@@ -71,6 +71,8 @@ async function signIn(next) {
   await showUser();
   find('places').hidden = find('leave').hidden = false;
   say('');
+  const { requirements } = await api.get('/requirements');
+  find('requirements').replaceChildren(...requirements.map((each) => make('option', { value: each.key, label: each.title })));
   await Promise.all([showScenes(), showJobs()]);
   go('scenes');
 }
@@ -222,6 +224,8 @@ function orderForm(scene) {
   const error = make('input', { type: 'number', min: 0.1, max: 50, step: 'any', value: 2, 'aria-label': 'Standard error in per cent' });
   const time = make('input', { type: 'number', min: 5, max: 86400, step: 'any', value: 300, 'aria-label': 'Seconds at most' });
   const density = make('input', { type: 'number', min: 0.1, max: 200, step: 'any', value: 8, 'aria-label': 'Lumels per metre' });
+  const require = make('input', { placeholder: 'not judged', 'aria-label': 'Requirement', list: 'requirements' });
+  require.setAttribute('list', 'requirements');
   const form = make('form', {
     on: {
       submit: async (event) => {
@@ -229,6 +233,7 @@ function orderForm(scene) {
         const options = { error: Number(error.value) / 100, time: Number(time.value) };
         if (kind.value === 'bake') Object.assign(options, { layers: 'groups', lumels_per_m: Number(density.value) });
         if (kind.value === 'render') options.false_colour = true;
+        else if (require.value.trim()) options.require = require.value.trim();
         const job = await api.send('POST', `/scenes/${scene.id}/jobs`, { kind: kind.value, options }, { 'Idempotency-Key': crypto.randomUUID() });
         jobs.set(job.id, { ...job, sceneName: scene.name });
         follow(job);
@@ -237,7 +242,8 @@ function orderForm(scene) {
       },
     },
   }, kind, make('label', { textContent: 'to ' }, error, ' %'), make('label', { textContent: 'at most ' }, time, ' s'),
-    make('label', { textContent: 'lumels per metre ' }, density), make('button', { textContent: 'Compute' }));
+    make('label', { textContent: 'lumels per metre ' }, density), make('label', { textContent: 'by ' }, require),
+    make('button', { textContent: 'Compute' }));
   return form;
 }
 
@@ -385,7 +391,7 @@ function roundUp(value) {
 }
 
 function drawPanel() {
-  find('panel').replaceChildren(legend(), ...rooms.map(groupSliders), ...rooms.map(verdicts));
+  find('panel').replaceChildren(legend(), ...[groupSliders, verdicts, figures].flatMap((draw) => rooms.map(draw)).filter(Boolean));
 }
 
 function legend() {
@@ -436,7 +442,24 @@ function groupSliders(room) {
     }));
 }
 
+// What maps say of the requirement that was asked for; as computed, whatever the sliders say.
 function verdicts(room) {
+  const { verdicts: asked } = room.loaded;
+  if (!asked) return null;
+  const words = { met: 'met', 'not met': 'missed' };
+  const rows = asked.areas.flatMap((area) => area.limits.map((limit) =>
+    make('tr', {},
+      make('td', { textContent: area.object }),
+      make('td', { textContent: `${limit.name} ${limit.is_most ? '≤' : '≥'} ${number(limit.limit)}` }),
+      make('td', { className: 'number', textContent: limit.value === null ? '' : `${number(limit.value)} (${number(limit.range[0])} to ${number(limit.range[1])})` }),
+      make('td', { className: words[limit.state] ?? 'open', textContent: limit.state }))));
+  const heads = ['Surface', 'Asked', 'Found', 'Verdict'].map((text) => make('th', { textContent: text }));
+  return make('section', { className: 'verdicts' },
+    make('h3', { textContent: `${asked.key}: ${asked.title}, ${asked.standard}` }),
+    make('div', { className: 'scroll' }, make('table', {}, make('thead', {}, make('tr', {}, ...heads)), make('tbody', {}, ...rows))));
+}
+
+function figures(room) {
   const rows = room.loaded.report.quantities.map((row) =>
     make('tr', {},
       make('td', { textContent: row.name }),

@@ -43,13 +43,16 @@ void main() {
   gl_FragColor = vec4(colour, 1.0);
 }`;
 
+const VERDICTS = 'verdicts.json';
+
 const ARRAY = /^(illuminance|standard_error|covered)(?:_(.+))?\.(\d+)\.npy$/;
 
 // Loads what a bake has written; told(share) hears of it.
 export async function loadRoom(api, job, told) {
   const { files } = await api.get(`/jobs/${job.id}/files`);
   const names = files.map((file) => file.name);
-  const fetched = ['lux.glb', 'report.json', ...names.filter((name) => ARRAY.test(name))];
+  const judged = names.filter((name) => name === VERDICTS);
+  const fetched = ['lux.glb', 'report.json', ...judged, ...names.filter((name) => ARRAY.test(name))];
   const missing = fetched.filter((name) => !names.includes(name));
   if (missing.length) throw new Error(`the job has no ${missing.join(', ')}`);
   let done = 0;
@@ -58,10 +61,12 @@ export async function loadRoom(api, job, told) {
     content[name] = await api.file(job.id, name);
     told((done += 1) / fetched.length);
   }
-  const report = JSON.parse(new TextDecoder().decode(content['report.json']));
+  const parse = (name) => JSON.parse(new TextDecoder().decode(content[name]));
+  const report = parse('report.json');
+  const verdicts = judged.length ? parse(VERDICTS) : null;
   const gltf = await new GLTFLoader().parseAsync(content['lux.glb'], '');
   const pages = readPages(content);
-  return { job, report, gltf, pages, groups: [...new Set([...pages.values()].flatMap((page) => [...page.groups.keys()]))] };
+  return { job, report, verdicts, gltf, pages, groups: [...new Set([...pages.values()].flatMap((page) => [...page.groups.keys()]))] };
 }
 
 // Pages by their numbers, with the illuminance that is shown, as computed and by group, its error, and where it was computed.

@@ -14,6 +14,7 @@ from starlette.routing import Mount, Route
 from starlette.staticfiles import StaticFiles
 
 from ...blender_addon.scene_edits import library_materials
+from ...engine.judgement.reader import known_requirements
 from .. import jobs, scenes
 from ..accounts import User, new_id
 from ..changes import Changes
@@ -151,6 +152,16 @@ def list_materials(_request: Request, _user: User) -> Response:
     return JSONResponse(
         {"materials": [{"name": key, "title": title} for key, title in titles.items()]}
     )
+
+
+@signed_in
+def list_requirements(_request: Request, _user: User) -> Response:
+    """Answer by which requirements jobs can be judged."""
+    known = known_requirements()
+    rows = [
+        {"key": key, "title": each.title, "standard": each.standard} for key, each in known.items()
+    ]
+    return JSONResponse({"requirements": rows})
 
 
 # ---- scenes ----
@@ -404,6 +415,7 @@ ROUTES = (
     ("GET", "/openapi.json", show_document, "This document"),
     ("GET", f"{ROOT}/me", show_user, "Who asks, and what is taken of what they may"),
     ("GET", f"{ROOT}/materials", list_materials, "Materials that can be put in place of a scene's"),
+    ("GET", f"{ROOT}/requirements", list_requirements, "Requirements by which jobs can be judged"),
     ("GET", f"{ROOT}/scenes", list_scenes, "All scenes"),
     ("POST", f"{ROOT}/scenes", upload_scene, "Upload a .blend or .glb file as ?name=NAME"),
     ("GET", f"{ROOT}/scenes/{{scene}}", show_scene, "A scene, what is in it, and its edits"),

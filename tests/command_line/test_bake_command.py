@@ -1,12 +1,13 @@
 """The command ``lumenray bake``: what it orders and says."""
 
+import json
 import signal
 
 import bpy
 import pytest
 from blender_bakes import add_lamp
 from blender_objects import add_quad
-from fake_bakes import SIZE, FakeSession, Interrupted
+from fake_bakes import SIZE, FakeSession, Interrupted, make_page
 
 from lumenray.blender_addon.assumptions import UNREACHED
 from lumenray.command_line import main as command_line
@@ -99,3 +100,18 @@ def test_a_second_ctrl_c_cancels_and_says_what_is_left(monkeypatch, tmp_path, ca
     assert code == 1
     assert "nothing was written; --resume goes on" in said.err
     assert "Floor" not in said.out
+
+
+def test_verdicts_on_maps_are_written_down(monkeypatch, tmp_path):
+    monkeypatch.setattr("lumenray.engine.session.Session", FakeSession)
+    given = ["bake", str(saved_room(tmp_path)), "-o", str(tmp_path / "lux")]
+    command_line.main([*given, "--require", "office.writing", "--maintenance", "0.5"])
+    told = json.loads((tmp_path / "lux" / "verdicts.json").read_text())
+    (floor,) = told["areas"]
+    assert (told["key"], floor["object"], floor["area"]) == ("office.writing", "Floor", "task")
+    limits = {each["name"]: each for each in floor["limits"]}
+    assert limits["mean"]["limit"] == 500.0
+    assert limits["mean"]["value"] == pytest.approx(0.5 * float(make_page(0).illuminance.mean()))
+    low, high = limits["mean"]["range"]
+    assert low < limits["mean"]["value"] < high
+    assert floor["state"] == "not met"

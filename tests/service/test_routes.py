@@ -229,6 +229,8 @@ def test_a_body_that_comes_too_slowly_is_given_up(ada, monkeypatch):
         ({"kind": "render", "options": {"size": "640x400 --denoise"}}, "WIDTHxHEIGHT"),
         ({"kind": "render", "options": {"size": "99999x99999"}}, "WIDTHxHEIGHT"),
         ({"kind": "daylight", "options": {}}, "needs the option 'floor'"),
+        ({"kind": "bake", "options": {"require": "office.writing --save=x"}}, "a requirement such as"),
+        ({"kind": "measure", "options": {"require": "../office.writing"}}, "a requirement such as"),
     ],
 )  # fmt: skip
 def test_orders_that_are_not_understood(served, ada, order, told):
@@ -266,6 +268,8 @@ def test_edits_are_answered_as_they_are_kept(served, ada):
     assert (told["edits"], told["content"]) == (edits, CONTENT)
     names = {each["name"] for each in ada.ask("GET", f"{ROOT}/materials").json()["materials"]}
     assert "wall_white_matt" in names
+    keys = {each["key"] for each in ada.ask("GET", f"{ROOT}/requirements").json()["requirements"]}
+    assert "office.writing" in keys
 
 
 def test_weather_files_take_the_place_of_those_before(served, ada):

@@ -40,6 +40,7 @@ const picture = (page, name) => page.screenshot({ path: join(request.pictures, `
 async function order(page) {
   await page.getByLabel('Standard error in per cent').fill(String(request.error));
   await page.getByLabel('Lumels per metre').fill(String(request.density));
+  await page.getByLabel('Requirement').fill(request.requirement);
   await page.getByRole('button', { name: 'Compute' }).click();
 }
 
@@ -78,7 +79,8 @@ try {
   await page.locator('#interval').fill(String(request.interval));
   await page.locator('#interval').press('Enter');
   await picture(page, 'isolux');
-  report.table = await page.locator('#panel table').first().innerText();
+  report.table = await page.locator('#panel section:not(.verdicts) table').first().innerText();
+  report.verdicts = await page.locator('#panel .verdicts tbody tr').allInnerTexts();
 
   const focus = page.locator('.room canvas').first();
   await focus.click({ position: { x: 10, y: 10 } });

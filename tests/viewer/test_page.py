@@ -86,6 +86,7 @@ def visit(tmp_path_factory):
             "error": 1,
             "density": 12,
             "interval": 10,
+            "requirement": "office.writing",
             "points": [[0.35, 0.6], [0.5, 0.55], [0.6, 0.75]],
             "pictures": str(pictures),
         }
@@ -148,6 +149,12 @@ def test_nothing_is_loaded_from_elsewhere_and_nothing_complained_of(visit):
 
 def test_rooms_say_which_job_they_are(visit):
     assert visit["titles"] == ["2. bake of lamp.blend", "3. bake of lamp.blend"]
+
+
+def test_the_verdicts_of_the_requirement_are_told(visit):
+    """Of 28 lx in the mean, where 500 lx are asked for."""
+    mean = next(row for row in visit["verdicts"] if "mean" in row)
+    assert re.search(r"Floor\s+mean ≥ 500\s+28\.\d \(2[78].*\)\s+not met", mean)
 
 
 def test_the_table_has_every_surface(visit):
