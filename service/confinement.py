@@ -1,9 +1,11 @@
 """Keeps a process that opens other people's files in its place, by means of the Linux kernel.
 
 - Files: Landlock (kernel's ``Documentation/userspace-api/landlock.rst``) leaves the process what it is given, to read or to
-  write, and nothing else of the machine. It also keeps it from other processes.
-- Network: a network of its own with nobody in it (``user_namespaces(7)``, ``network_namespaces(7)``); where that is not
-  allowed, Landlock at least refuses TCP.
+  write, and nothing else of the machine. It also keeps it from looking into other processes, and from Linux 6.12 on from
+  sending them signals.
+- Network and processes: a network of its own with nobody in it, and a tree of processes that ends as a whole
+  (``user_namespaces(7)``, ``network_namespaces(7)``, ``pid_namespaces(7)``); where that is not allowed, Landlock at least
+  refuses TCP.
 - Memory, size of files and processor time: ``setrlimit(2)``.
 
 What is given up is given up for good, for all processes that are begun later, too.
@@ -27,7 +29,7 @@ _CREATE_RULESET, _ADD_RULE, _RESTRICT_SELF = 444, 445, 446
 _TELL_VERSION = 1
 _PATH_BENEATH = 1
 _NO_NEW_PRIVILEGES = 38
-_NEW_USER, _NEW_NETWORK = 0x10000000, 0x40000000
+_NEW_USER, _NEW_NETWORK, _NEW_PROCESSES = 0x10000000, 0x40000000, 0x20000000
 
 _EXECUTE, _WRITE_FILE, _READ_FILE, _READ_FOLDER = 1 << 0, 1 << 1, 1 << 2, 1 << 3
 _ALL_BY_VERSION = {3: (1 << 15) - 1, 4: (1 << 15) - 1, 5: (1 << 16) - 1}
@@ -122,21 +124,21 @@ def confine(readable: list[Path], writable: list[Path], limits: Limits) -> None:
     LumenrayError, OSError    The kernel does not do it; the process must not go on.
     """
     check_kernel()
-    _leave_network()
     _set_limits(limits)
     _restrict_files(readable, writable)
 
 
-def _leave_network() -> None:
+def leave_others() -> bool:
+    """Leave the network, and let processes that are begun from now on be a tree of their own; False: not allowed here."""
     owner, group = os.getuid(), os.getgid()
-    if _libc().unshare(_NEW_USER | _NEW_NETWORK) != 0:
-        # Not allowed to all users everywhere; Landlock refuses TCP in that case.
-        return
+    if _libc().unshare(_NEW_USER | _NEW_NETWORK | _NEW_PROCESSES) != 0:
+        return False
     # Without a map of users the process would be nobody, even to itself; where none may be made it has its files still.
     with contextlib.suppress(PermissionError):
         Path("/proc/self/setgroups").write_text("deny")
         Path("/proc/self/uid_map").write_text(f"{owner} {owner} 1")
         Path("/proc/self/gid_map").write_text(f"{group} {group} 1")
+    return True
 
 
 def _set_limits(limits: Limits) -> None:

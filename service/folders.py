@@ -13,6 +13,7 @@
 import os
 import re
 import shutil
+import stat
 from pathlib import Path
 
 _ID = re.compile(r"[0-9a-f]{32}")
@@ -77,6 +78,40 @@ def remove(folder: Path) -> None:
             shutil.rmtree(aside)
         folder.rename(aside)
         shutil.rmtree(aside)
+
+
+def take_file(source: Path, target: Path, most: int | None = None) -> None:
+    """Copy what a confined process has made, if it is a plain file; links of its making are not followed.
+
+    Raises
+    ------
+    OSError    It is none, or larger than ``most``. [byte]
+    """
+    handle = os.open(source, os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC)
+    with os.fdopen(handle, "rb") as stream, target.open("xb") as copy:
+        state = os.fstat(handle)
+        if not stat.S_ISREG(state.st_mode) or (most is not None and state.st_size > most):
+            raise OSError(f"{source.name} is no file that can be taken over")
+        shutil.copyfileobj(stream, copy)
+
+
+def take_folder(source: Path, target: Path) -> None:
+    """Copy all plain files of a folder that a confined process has made, as `take_file`, into a new one.
+
+    Raises
+    ------
+    OSError    It is no folder any more.
+    """
+    target.mkdir(mode=PRIVATE)
+    if source.is_symlink():
+        raise OSError(f"{source.name} is no folder")
+    for parent, _, names in os.walk(source):
+        own = target / Path(parent).relative_to(source)
+        own.mkdir(mode=PRIVATE, exist_ok=True)
+        for name in names:
+            path = Path(parent, name)
+            if stat.S_ISREG(path.lstat().st_mode):
+                take_file(path, own / name)
 
 
 def list_files(folder: Path) -> list[tuple[str, int]]:

@@ -57,6 +57,50 @@ def check_name(name: str) -> str:
     return name
 
 
+def check_content(found) -> dict:
+    """Return what was told of a scene; it comes from a process that other people's files may rule.
+
+    Raises
+    ------
+    SceneError    It has not the form of `blender_addon.scene_edits.describe`.
+    """
+    if not isinstance(found, dict):
+        raise SceneError("what is in the scene is not told in the expected form")
+    made = {"has_camera": found.get("has_camera") is True}
+    for key in ("objects", "surfaces", "sensors", "materials", "problems"):
+        made[key] = [each for each in _list(found, key) if isinstance(each, str)]
+    made["lights"] = [_light(each) for each in _list(found, "lights") if _is_light(each)]
+    return made
+
+
+def _list(found: dict, key: str) -> list:
+    value = found.get(key, [])
+    return value if isinstance(value, list) else []
+
+
+def _is_light(each) -> bool:
+    if not isinstance(each, dict):
+        return False
+    amount = each.get("amount")
+    return (
+        isinstance(each.get("name"), str)
+        and isinstance(amount, int | float)
+        and 0.0 <= amount < 1e30
+        and each.get("unit") in {"lm", "lx"}
+    )
+
+
+def _light(each: dict) -> dict:
+    count = each.get("count")
+    return {
+        "name": each["name"],
+        "amount": float(each["amount"]),
+        "unit": each["unit"],
+        "count": count if isinstance(count, int) else 1,
+        "is_on": each.get("is_on") is not False,
+    }
+
+
 def add_scene(database: Database, user: User, key: str, name: str, size: int) -> Scene:
     """Take in a scene whose upload lies in its folder, and order that it is opened. [byte]"""
     with database.change() as connection:

@@ -14,17 +14,26 @@ import threading
 from pathlib import Path
 
 from ..engine import VERSION
+from ..engine.errors import LumenrayError
 from ..engine.reading.printable import printable
 from . import jobs, scenes
 from .accounts import User, users
 from .changes import Changes
 from .confinement import Limits
 from .database import Database
-from .folders import Folders, find_upload, list_files, make, remove, size
+from .folders import (
+    Folders,
+    find_upload,
+    list_files,
+    make,
+    remove,
+    size,
+    take_file,
+    take_folder,
+)
 from .jobs import Job
 from .orders import SCENE_FILE, command_of
 from .processes import Confined, Outcome
-from .refusals import RefusalError
 
 LOGGER = logging.getLogger(__name__)
 
@@ -35,6 +44,9 @@ ACCOUNT = "job.json"
 """Of the results: what was ordered, and how it ended."""
 
 CANCELLED = "cancelled"
+
+LARGEST_CONTENT = 16 << 20
+"""Of what is told of a scene. [byte]"""
 
 WRITTEN = (0, 3, 4)
 """Exit codes of the command with which results are there, see `blender_addon.assumptions.CODES`."""
@@ -98,7 +110,8 @@ class Supervisor:
             for process in self._running.values():
                 process.stop("the service ends")
         for thread in self._threads:
-            thread.join()
+            if thread.is_alive():
+                thread.join()
 
     def look(self) -> None:
         """Say that there is something new in the queue."""
@@ -151,6 +164,7 @@ class Supervisor:
         for part, names in known.items():
             folder = self._folders.user(user.id) / part
             for path in folder.iterdir() if folder.is_dir() else ():
+                # What was coming has a name of its own, too.
                 if path.name not in names:
                     shutil.rmtree(path)
 
@@ -176,7 +190,7 @@ class Supervisor:
                 self._open(job, user, work)
             else:
                 self._compute(job, user, work)
-        except (RefusalError, OSError) as error:
+        except (LumenrayError, OSError, ValueError) as error:
             self._fail(job, str(error))
         except Exception:
             # A fault of ours ends this job, and not those that wait behind it.
@@ -210,8 +224,13 @@ class Supervisor:
                 self._database, job, note or "nothing was found in it", None, size(folder)
             )
             return
-        found = json.loads(content.read_text(encoding="utf-8"))
-        scene.replace(folder / SCENE_FILE)
+        told = folder / "content.json"
+        told.unlink(missing_ok=True)
+        take_file(content, told, LARGEST_CONTENT)
+        found = scenes.check_content(json.loads(told.read_text(encoding="utf-8")))
+        told.unlink()
+        (folder / SCENE_FILE).unlink(missing_ok=True)
+        take_file(scene, folder / SCENE_FILE)
         upload.unlink()
         scenes.end_opening(self._database, job, "", found, size(folder))
 
@@ -244,10 +263,15 @@ class Supervisor:
             "code": outcome.code,
             "log": list(outcome.log),
         }
-        (results / ACCOUNT).write_text(json.dumps(account, indent=1), encoding="utf-8")
         place = self._folders.results(user.id, job.id)
         place.parent.mkdir(exist_ok=True)
-        results.rename(place)
+        # Where no confined process can reach it; what a sudden end leaves of it is removed at the next start.
+        coming = place.with_name(f".{job.id}")
+        remove(coming)
+        take_folder(results, coming)
+        (coming / ACCOUNT).unlink(missing_ok=True)
+        (coming / ACCOUNT).write_text(json.dumps(account, indent=1), encoding="utf-8")
+        coming.rename(place)
         self._close_account(job, place)
 
     def _close_account(self, job: Job, results: Path) -> None:

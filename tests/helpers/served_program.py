@@ -6,7 +6,7 @@ import sys
 import time
 from pathlib import Path
 
-FINE, SHORT, REFUSED, CRASH, SLEEP, STUBBORN, LARGE, CURIOUS, BUSY = range(9)
+FINE, SHORT, REFUSED, CRASH, SLEEP, STUBBORN, LARGE, CURIOUS, LINKS, HIDING = range(10)
 
 
 def main(arguments):
@@ -42,28 +42,53 @@ def compute(task, scene, target):
 
             signal.signal(signal.SIGINT, signal.SIG_IGN)
         time.sleep(600)
-    if task == BUSY:
-        time.sleep(0.3)
+    if task == LINKS:
+        plant_links(scene, target.parent)
+    if task == HIDING:
+        hide(target)
     if task == LARGE:
         for number in range(100):
             (target.parent / f"{number}.bin").write_bytes(bytes(1 << 20))
             time.sleep(0.05)
     if task == CURIOUS:
-        # What is not given to a job is not there for it.
-        others = scene.parents[3]
-        seen = []
-        for path in (others, others.parent / "service.sqlite", Path("/etc/passwd"), Path("/root")):
-            try:
-                list(path.iterdir()) if path.is_dir() else path.read_bytes()
-                seen.append(str(path))
-            except OSError:
-                continue
-        sys.stderr.write(f"note: {seen}\n")
+        look_round(scene.parents[3])
     target.write_text(f"{scene.read_bytes().decode()} {task}")
     if task in {SHORT, CURIOUS}:
         sys.stderr.write("goal: time ended at 3 %\n")
         return 3
     return 0
+
+
+def plant_links(scene, folder):
+    """Results that are another folder, and a file among them that is another file."""
+    (folder / "secret").symlink_to(scene)
+    (folder / "deep").symlink_to(scene.parent)
+    (folder / "job.json").symlink_to("/etc/passwd")
+
+
+def hide(target):
+    """Start a process in a session of its own."""
+    if os.fork():
+        return
+    os.setsid()
+    if os.fork() == 0:
+        os.close(1)
+        os.close(2)
+        words = f"import time; time.sleep(600) # {target}"
+        os.execv(sys.executable, [sys.executable, "-c", words])  # noqa: S606 - ourselves
+    os._exit(0)
+
+
+def look_round(users):
+    """Tell what can be read of what was not given."""
+    seen = []
+    for path in (users, users.parent / "service.sqlite", Path("/etc/passwd"), Path("/root")):
+        try:
+            list(path.iterdir()) if path.is_dir() else path.read_bytes()
+            seen.append(str(path))
+        except OSError:
+            continue
+    sys.stderr.write(f"note: {seen}\n")
 
 
 def tell(state):

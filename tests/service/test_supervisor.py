@@ -1,14 +1,18 @@
 """Jobs in confined processes, whatever ends them or the service."""
 
+import contextlib
 import json
 import os
+import shutil
 import sqlite3
+import time
+from pathlib import Path
 
 import pytest
 import served_program as program
 from served import Served, running
 
-from lumenray.service import jobs, scenes
+from lumenray.service import folders, jobs, scenes
 from lumenray.service.accounts import Quota
 from lumenray.service.confinement import LEAST_VERSION, landlock_version
 
@@ -50,7 +54,11 @@ def test_results_and_what_has_to_be_known_of_them(served):
     assert (folder / "readings.json").read_text() == "BLENDER 0"
     assert json.loads((folder / "job.json").read_text())["options"] == {"seed": 0}
     assert fine.bytes == sum(path.stat().st_size for path in folder.iterdir())
-    assert not list((folder.parent.parent / "work").iterdir())
+    work = folder.parent.parent / "work"
+    # It is cleared away after the job's end has been told.
+    served.supervisor.close()
+    assert not list(work.iterdir())
+    assert [path.name for path in folder.parent.iterdir() if path.name.startswith(".")] == []
 
 
 def test_jobs_compute_the_edited_scene(served):
@@ -112,6 +120,48 @@ def test_a_job_reaches_nothing_that_it_was_not_given(served):
     job = served.submit(served.add_ready_scene(), seed=program.CURIOUS)
     served.supervisor.look()
     assert served.wait(job).note.startswith("note: []")
+
+
+def test_links_among_results_are_not_followed(served):
+    job = served.submit(served.add_ready_scene(), seed=program.LINKS)
+    served.supervisor.look()
+    assert served.wait(job).state == jobs.DONE
+    results = served.folders.results(served.user.id, job.id)
+    assert sorted(path.name for path in results.rglob("*")) == ["job.json", "readings.json"]
+    assert json.loads((results / "job.json").read_text())["kind"] == "measure"
+
+
+def test_results_that_became_a_link_are_no_results(served, monkeypatch):
+    scene = served.add_ready_scene()
+    taken = folders.take_folder
+
+    def swap(source, target):
+        shutil.rmtree(source)
+        source.symlink_to(served.folders.scene(served.user.id, scene.id))
+        taken(source, target)
+
+    monkeypatch.setattr("lumenray.service.supervisor.take_folder", swap)
+    job = served.submit(scene)
+    served.supervisor.look()
+    assert served.wait(job).state == jobs.FAILED
+    assert not served.folders.results(served.user.id, job.id).exists()
+
+
+def test_what_a_job_has_started_ends_with_it(served):
+    job = served.submit(served.add_ready_scene(), seed=program.HIDING)
+    served.supervisor.look()
+    assert served.wait(job).state == jobs.DONE
+    end = time.monotonic() + 10.0
+    while any(job.id in line for line in command_lines()):
+        assert time.monotonic() < end
+        time.sleep(0.1)
+
+
+def command_lines():
+    """Of all processes of this machine."""
+    for path in Path("/proc").glob("[0-9]*/cmdline"):
+        with contextlib.suppress(OSError):
+            yield path.read_bytes().decode("utf-8", "replace")
 
 
 def test_jobs_of_a_service_that_ended_suddenly_are_begun_anew_or_found_done(tmp_path):
