@@ -88,7 +88,7 @@ def run(users: int = USERS, count: int = JOBS, kills: int = KILLS, say=None) -> 
             # Spread over the queue, so that there is always something to lose.
             _wait_for(folder, (number + 0.5) * count / (kills + 1))
             server.kill()
-            changed += _look(folder, seen)
+            changed += look_at_results(folder, seen)
             server.start()
             say(f"killed {number + 1} times, {len(seen)} jobs have results")
         while not all(
@@ -99,11 +99,11 @@ def run(users: int = USERS, count: int = JOBS, kills: int = KILLS, say=None) -> 
         is_over.set()
         for thread in threads:
             thread.join()
-        changed += _look(folder, seen)
+        changed += look_at_results(folder, seen)
         found = [_list_jobs(client) for client in clients]
         server.stop()
     times = np.array([each for client in clients for each in client.times])
-    lost, doubled = _count(ordered, found, seen, folder)
+    lost, doubled = count_faults(ordered, found, seen)
     return {
         "machine": describe_machine(),
         "users": users,
@@ -155,7 +155,7 @@ def _wait_for(folder: Path, count: float) -> None:
         time.sleep(0.1)
 
 
-def _look(folder: Path, seen: dict[Path, str]) -> int:
+def look_at_results(folder: Path, seen: dict[Path, str]) -> int:
     """Note what results there are; returns how many have changed since they were noted."""
     changed = 0
     for path in _results(folder):
@@ -184,7 +184,7 @@ def _have_ended(client: Client, ordered: dict, count: int) -> bool:
     return all(job["state"] in ENDED for job in _list_jobs(client).values())
 
 
-def _count(ordered, found, seen, folder: Path) -> tuple[int, int]:
+def count_faults(ordered, found, seen) -> tuple[int, int]:
     """Orders without a job that is done with its results, and jobs or results that nobody ordered."""
     with_results = {path.name for path in seen}
     lost = doubled = 0
