@@ -2,6 +2,8 @@
 
 import json
 import struct
+import sys
+from pathlib import Path
 
 import pytest
 from served import Served, running
@@ -69,7 +71,9 @@ IGNORED = ("negative count",)
 """What Blender may read over."""
 
 
-def test_hostile_uploads_are_refused_and_the_service_goes_on(tmp_path):
+def test_hostile_uploads_are_refused_and_the_service_goes_on(tmp_path, monkeypatch):
+    # A process that has loaded Blender looks for modules in Blender's own folders; the service never does.
+    monkeypatch.setattr(sys, "path", [each for each in sys.path if "bpy" not in Path(each).parts])
     served = Served(tmp_path, count=2, seconds=120.0, program=PROGRAM)
     uploads = {}
     for name, (kind, content) in UPLOADS_BY_NAME.items():
