@@ -224,7 +224,8 @@ function orderForm(scene) {
   const error = make('input', { type: 'number', min: 0.1, max: 50, step: 'any', value: 2, 'aria-label': 'Standard error in per cent' });
   const time = make('input', { type: 'number', min: 5, max: 86400, step: 'any', value: 300, 'aria-label': 'Seconds at most' });
   const density = make('input', { type: 'number', min: 0.1, max: 200, step: 'any', value: 8, 'aria-label': 'Lumels per metre' });
-  const require = make('input', { placeholder: 'not judged', 'aria-label': 'Requirement', list: 'requirements' });
+  const require = make('input', { placeholder: 'not judged', 'aria-label': 'Requirement' });
+  // The property is read only.
   require.setAttribute('list', 'requirements');
   const form = make('form', {
     on: {
@@ -341,6 +342,8 @@ async function walk(chosen) {
   view = { top: roundUp(largest), interval: 0, isLight: false };
   for (const each of loaded) rooms.push(addRoom(each));
   [walked] = chosen;
+  // All have the room that is left to them now, and not only when the browser comes to tell them.
+  for (const room of rooms) room.resize();
   drawPanel();
   showAll();
 }
