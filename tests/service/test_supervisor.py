@@ -5,6 +5,8 @@ import json
 import os
 import shutil
 import sqlite3
+import subprocess
+import sys
 import time
 from pathlib import Path
 
@@ -147,7 +149,15 @@ def test_results_that_became_a_link_are_no_results(served, monkeypatch):
     assert not served.folders.results(served.user.id, job.id).exists()
 
 
+def can_plant_trees():
+    """Whether this system lets processes be a tree of their own."""
+    words = "from lumenray.service.confinement import leave_others; raise SystemExit(not leave_others())"
+    return subprocess.run([sys.executable, "-c", words], check=False).returncode == 0
+
+
 def test_what_a_job_has_started_ends_with_it(served):
+    if not can_plant_trees():
+        pytest.skip("this system has no namespaces for all users")
     job = served.submit(served.add_ready_scene(), seed=program.HIDING)
     served.supervisor.look()
     assert served.wait(job).state == jobs.DONE
