@@ -108,6 +108,11 @@ def find_user(database: Database, name: str) -> User:
     return _user(row)
 
 
+def user_of_id(database: Database, key: str) -> User:
+    """Return the user of an id, who is there: all that is a user's goes with the user."""
+    return _user(database.row("select * from users where id = ?", key))
+
+
 def user_of_token(database: Database, token: str) -> User | None:
     """Return whose token this is, if anybody's.
 

@@ -17,11 +17,12 @@ from ..engine import VERSION
 from ..engine.errors import LumenrayError
 from ..engine.reading.printable import printable
 from . import jobs, scenes
-from .accounts import User, users
+from .accounts import User, user_of_id, users
 from .changes import Changes
 from .confinement import Limits
 from .database import Database
 from .folders import (
+    UPLOADS,
     Folders,
     find_upload,
     list_files,
@@ -167,6 +168,10 @@ class Supervisor:
                 # What was coming has a name of its own, too.
                 if path.name not in names:
                     shutil.rmtree(path)
+        for scene in scenes.scenes_of(self._database, user):
+            if scene.state == scenes.READY:
+                for name in UPLOADS.values():
+                    (self._folders.scene(user.id, scene.id) / name).unlink(missing_ok=True)
 
     # ---- the threads ----
 
@@ -183,14 +188,18 @@ class Supervisor:
 
     def _run(self, job: Job) -> None:
         self._changes.tell(job.user)
-        user = next(each for each in users(self._database) if each.id == job.user)
-        work = make(self._folders.work(job.user, job.id))
+        work = self._folders.work(job.user, job.id)
         try:
+            user = user_of_id(self._database, job.user)
+            make(work)
             if job.kind == jobs.OPEN:
                 self._open(job, user, work)
             else:
                 self._compute(job, user, work)
-        except (LumenrayError, OSError, ValueError) as error:
+        except OSError as error:
+            # Its own words name a path of this machine.
+            self._fail(job, error.strerror or str(error))
+        except (LumenrayError, ValueError) as error:
             self._fail(job, str(error))
         except Exception:
             # A fault of ours ends this job, and not those that wait behind it.
@@ -231,8 +240,9 @@ class Supervisor:
         told.unlink()
         (folder / SCENE_FILE).unlink(missing_ok=True)
         take_file(scene, folder / SCENE_FILE)
+        scenes.end_opening(self._database, job, "", found, (folder / SCENE_FILE).stat().st_size)
+        # Not before: what is opened again after a sudden end begins with it.
         upload.unlink()
-        scenes.end_opening(self._database, job, "", found, size(folder))
 
     def _compute(self, job: Job, user: User, work: Path) -> None:
         folder = self._folders.scene(user.id, job.scene)

@@ -7,6 +7,7 @@ import shutil
 import sqlite3
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -199,6 +200,40 @@ def test_jobs_of_a_service_that_ended_suddenly_are_begun_anew_or_found_done(tmp_
         own = again.folders.results(again.user.id, begun.id) / "readings.json"
         assert own.read_text() == "BLENDER 0"
         assert not stray.exists()
+
+
+@pytest.mark.parametrize("is_kept", [False, True])
+def test_an_upload_is_not_lost_whenever_its_opening_is_cut_off(tmp_path, is_kept):
+    """Also where the scene was written already, and only what was told of it was not kept."""
+    served = Served(tmp_path)
+    scene = served.add_scene(upload=b"BLENDER of Ada")
+    jobs.claim(served.database)
+    folder = served.folders.scene(served.user.id, scene.id)
+    if is_kept:
+        (folder / "scene.blend").write_bytes(b"half")
+    served.database.close()
+    with running(Served(tmp_path)) as again:
+        assert again.wait_until_opened(scene).state == scenes.READY
+    assert (folder / "scene.blend").read_bytes() == b"BLENDER of Ada"
+    with running(Served(tmp_path)):
+        assert [path.name for path in folder.iterdir()] == ["scene.blend"]
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")
+def test_an_upload_stays_until_it_is_said_that_its_scene_is_there(served, monkeypatch):
+    """An end of the service at the last moment leaves what the next one needs."""
+    ended = threading.Event()
+
+    def fail(*_):
+        ended.set()
+        raise SystemExit
+
+    monkeypatch.setattr(scenes, "end_opening", fail)
+    scene = served.add_scene(upload=b"BLENDER of Ada")
+    served.supervisor.look()
+    assert ended.wait(60.0)
+    folder = served.folders.scene(served.user.id, scene.id)
+    assert (folder / "upload.blend").read_bytes() == b"BLENDER of Ada"
 
 
 def test_a_job_that_ends_the_service_each_time_is_given_up(tmp_path):
