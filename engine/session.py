@@ -75,11 +75,19 @@ class Session:
         Called between the launches of long jobs; it may use other sessions.
     witness : bool
         Whether bakes and measurements that ask for a second witness get it; not where only their own samples matter.
+    keeps_cells : bool
+        Whether pictures share cells; not where a picture must not depend on those that were made before it.
     """
 
-    def __init__(self, interrupt: Callable[[], None] | None = None, witness: bool = True):
+    def __init__(
+        self,
+        interrupt: Callable[[], None] | None = None,
+        witness: bool = True,
+        keeps_cells: bool = True,
+    ):
         self.scene = Scene()
         self._has_witness = witness
+        self._keeps_cells = keeps_cells
         self.revision = 0
         self.commit = Commit()
         self._interrupt = interrupt
@@ -331,10 +339,49 @@ class Session:
         if wanted:
             light = mean[:, 1], error[:, 1], provenance, mean[:, :3], error[:, :3], *more
             spectra = SensorSpectra(**spectral_fields(estimate)) if spectrum else None
-            return Measurement(*light, spectra, made.has_common_errors)
+            return Measurement(*light, spectra, made.has_common_errors, estimate.floors)
         return Measurement(
-            mean, error, provenance, None, None, *more, has_common_errors=made.has_common_errors
+            mean,
+            error,
+            provenance,
+            None,
+            None,
+            *more,
+            has_common_errors=made.has_common_errors,
+            floors=estimate.floors,
         )
+
+    def confirm(
+        self,
+        positions,
+        normals,
+        made: Measurement,
+        seed: int = 0,
+        transport: str = "auto",
+        progress: Callable[[Progress], None] | None = None,
+        *,
+        kind: SensorKind = SensorKind.PLANAR,
+        reflections: int | None = None,
+    ) -> Measurement:
+        """Have the second witness look at a measurement that was made of parts, which had none; else as of `measure`.
+
+        ``progress`` is told of nothing.
+
+        Returns
+        -------
+        Measurement    With errors that cover what it finds, its decision and its notes.
+        """
+        with self._engine(transport) as compiled:
+            from .accuracy.estimate import Estimate
+            from .transport.sensors.measuring import confirm
+
+            found = Estimate(made.illuminance, made.standard_error, made.provenance.samples)
+            asked = positions, normals, kind, found, seed, reflections, self._cancelled
+            heard = confirm(compiled, *asked)
+        if heard is None:
+            return made
+        provenance = made.provenance.with_words(heard.decision, heard.notes)
+        return replace(made.widened(heard.floors), provenance=provenance, balance=heard.balance)
 
     def measure_sensors(
         self,
@@ -734,6 +781,8 @@ class Session:
         if action:
             self.commit = Commit(count, action, time.perf_counter() - start)
         self._pending.clear()
+        if not self._keeps_cells:
+            kept = None
         self._compiled, self._kept = compiled, kept or KeptCells()
         return compiled
 
