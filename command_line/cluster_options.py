@@ -56,12 +56,10 @@ def open_crew(options):
             raise LumenrayError("certificates are for --cluster, which was not given")
         yield None
         return
-    import secrets
-
     from ..engine.cluster.dask_crew import DaskCrew
     from ..engine.cluster.security import read_address
 
-    crew = DaskCrew(read_address(options.cluster), certificates_of(options), secrets.token_hex(8))
+    crew = DaskCrew(read_address(options.cluster), certificates_of(options))
     try:
         yield crew
     finally:

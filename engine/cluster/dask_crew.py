@@ -61,17 +61,16 @@ class DaskCrew:
     ----------
     address : Address
     certificates : Certificates or None
-    name : str    Of whoever asks, unlike all others.
 
     Raises
     ------
     LumenrayError    The address may not be used, Dask is not installed, or nobody answers.
     """
 
-    def __init__(self, address: Address, certificates: Certificates | None, name: str):
+    def __init__(self, address: Address, certificates: Certificates | None):
         check_address(address, certificates)
         distributed = load_dask()
-        self.address, self._name = address, name
+        self.address = address
         try:
             self._client = distributed.Client(
                 str(address),
@@ -86,8 +85,8 @@ class DaskCrew:
             ) from None
         self._replies: queue.SimpleQueue = queue.SimpleQueue()
         self._words: list[threading.Thread] = []
-        self._futures: dict[int, object] = {}
-        self._at: dict[int, str] = {}
+        self._futures: dict[str, object] = {}
+        self._at: dict[str, str] = {}
         self._seen: dict[str, tuple[float, float]] = {}
         self._looked = -LOOK_INTERVAL
 
@@ -113,13 +112,13 @@ class DaskCrew:
             self._seen, self._looked = seen, now
         return {worker: now - since for worker, (_, since) in self._seen.items()}
 
-    def send(self, errand: int, worker: str, scene: bytes, task: bytes) -> None:
+    def send(self, errand: str, worker: str, scene: bytes, task: bytes) -> None:
         """Send a worker to work, as of `Crew`."""
         future = self._client.submit(
             workplace.work,
             scene,
             task,
-            key=f"{self._name}-{errand}",
+            key=errand,
             workers=[worker],
             allow_other_workers=False,
             pure=False,
@@ -141,7 +140,7 @@ class DaskCrew:
             self._at.pop(reply.errand, None)
         return found
 
-    def recall(self, errand: int) -> None:
+    def recall(self, errand: str) -> None:
         """Tell a worker to leave an errand, as of `Crew`."""
         worker = self._at.get(errand)
         if worker is not None:
@@ -150,7 +149,7 @@ class DaskCrew:
             word.start()
             self._words = [each for each in self._words if each.is_alive()] + [word]
 
-    def drop(self, errand: int) -> None:
+    def drop(self, errand: str) -> None:
         """Recall an errand and forget it."""
         self.recall(errand)
         self._at.pop(errand, None)
@@ -164,13 +163,13 @@ class DaskCrew:
             word.join(WORD_PATIENCE / len(self._words))
         self._client.close(timeout=PATIENCE)
 
-    def _tell(self, worker: str, errand: int) -> None:
+    def _tell(self, worker: str, errand: str) -> None:
         try:
-            self._client.run(workplace.recall, self._name, errand, workers=[worker])
+            self._client.run(workplace.recall, errand, workers=[worker])
         except Exception as error:
             log.info("%s was not told to leave errand %s: %s", worker, errand, error)
 
-    def _take(self, errand: int, future) -> None:
+    def _take(self, errand: str, future) -> None:
         """Called on a thread of Dask when a task has come to its end."""
         if errand not in self._futures:
             return

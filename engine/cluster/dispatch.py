@@ -1,6 +1,7 @@
 """Hands out the chunks of a job to workers, and out again where a worker dies, stalls or fails."""
 
 import itertools
+import secrets
 import statistics
 import time
 from collections import Counter
@@ -87,7 +88,9 @@ class Dispatcher:
     crew: Crew
     clock: Callable[[], float] = time.monotonic
     known: dict[str, int] = field(default_factory=dict)
-    numbers: Iterator[int] = field(default_factory=itertools.count)
+    names: Iterator[str] = field(
+        default_factory=lambda: map(f"{secrets.token_hex(8)}-{{}}".format, itertools.count())
+    )
 
     def run(self, job: Job, chunks: Iterator[Chunk]) -> Iterator:
         """Answers of chunks in their order; closing the iterator ends the job.
@@ -106,8 +109,8 @@ class Dispatcher:
         try:
             yield from work.run()
         finally:
-            for number in list(work.errands):
-                self.crew.drop(number)
+            for name in list(work.errands):
+                self.crew.drop(name)
 
 
 class _Work:
@@ -119,7 +122,7 @@ class _Work:
         self.chunks: dict[int, Chunk] = {}
         self.failures: dict[int, list[str]] = {}
         self.failed: Counter = Counter()
-        self.errands: dict[int, _Errand] = {}
+        self.errands: dict[str, _Errand] = {}
         # Seconds of a sample, of chunks that came without a scene.
         self.paces: list[float] = []
         self.alone_since: float | None = None
@@ -140,9 +143,9 @@ class _Work:
 
     def _forget(self, workers: dict[str, float]) -> None:
         """Give up what workers were at that are gone, and wait for others no longer than `ALONE`."""
-        for number, errand in list(self.errands.items()):
+        for name, errand in list(self.errands.items()):
             if errand.worker not in workers:
-                self._take(Reply(number, trouble="it is gone", is_lost=True))
+                self._take(Reply(name, trouble="it is gone", is_lost=True))
         for worker in [name for name in self.host.known if name not in workers]:
             del self.host.known[worker]
         now = self.host.clock()
@@ -204,9 +207,9 @@ class _Work:
     def _send(self, worker: str, chunk: Chunk) -> None:
         known = self.host.known.get(worker)
         scene = self.job.scene_of(known)
-        number = next(self.host.numbers)
-        self.errands[number] = _Errand(worker, chunk, self.host.clock(), bool(scene))
-        self.crew.send(number, worker, scene, pack(self.job.task_of(chunk) | {"errand": number}))
+        name = next(self.host.names)
+        self.errands[name] = _Errand(worker, chunk, self.host.clock(), bool(scene))
+        self.crew.send(name, worker, scene, pack(self.job.task_of(chunk) | {"errand": name}))
 
     def _take(self, reply: Reply) -> None:
         """Take note of what came of an errand."""
@@ -237,10 +240,10 @@ class _Work:
             self.paces.append((self.host.clock() - errand.begun) / chunk.samples)
         self.tally.take(chunk.number, (chunk, answer["value"]))
         self.chunks.pop(chunk.number, None)
-        for number, other in self.errands.items():
+        for name, other in self.errands.items():
             if other.chunk.number == chunk.number:
                 # Its worker is busy until it says that it has left it.
-                self.crew.recall(number)
+                self.crew.recall(name)
 
     def _note_failure(self, errand: _Errand, text: str) -> None:
         self.failed[errand.worker] += 1

@@ -1,7 +1,6 @@
 """Realisations of dense pigment layers by the workers of a cluster, in place of processes of this machine."""
 
 import json
-import secrets
 from collections.abc import Callable, Iterator
 
 from ..ink.crew import Task, archive
@@ -17,12 +16,10 @@ def solve_with(crew: Crew) -> Callable[[dict, list[Task], int], Iterator]:
     """
 
     def solve_tasks(order: dict, tasks: list[Task], _processes: int) -> Iterator:
-        name = secrets.token_hex(8)
         stated = json.dumps(order["content"]), json.dumps(order["plan"])
 
         def task_of(chunk: Chunk) -> dict:
             return {
-                "client": name,
                 "method": "solve_ink",
                 "arguments": (*stated, tuple(tasks[chunk.number])),
             }

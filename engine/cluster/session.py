@@ -236,7 +236,6 @@ class ClusterSession:
         def task_of(chunk: Chunk) -> dict:
             arguments, options = ask(chunk)
             return {
-                "client": self._name,
                 "scene": self._name,
                 "revision": self.revision,
                 "job": name,

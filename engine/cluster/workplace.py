@@ -50,7 +50,7 @@ class _Bench:
     scenes: OrderedDict = field(default_factory=OrderedDict)
     lock: threading.Lock = field(default_factory=threading.Lock)
     recalled: OrderedDict = field(default_factory=OrderedDict)
-    running: tuple[int, Session] | None = None
+    running: "tuple[str, _Recallable] | None" = None
 
 
 _bench = _Bench()
@@ -63,7 +63,7 @@ def work(scene: bytes, task: bytes) -> bytes:
     ----------
     scene : bytes    Parcel of what brings a scene up to date: ``name``, ``base`` (revision, None: it is a whole one),
         ``revision`` and ``deltas``; empty where nothing has changed.
-    task : bytes    Parcel of ``errand``, ``client``, ``scene`` and ``revision`` that it is about, ``job``, ``method``,
+    task : bytes    Parcel of ``errand``, ``scene`` and ``revision`` that it is about, ``job``, ``method``,
         ``arguments`` and ``options``.
 
     Returns
@@ -87,9 +87,8 @@ def work(scene: bytes, task: bytes) -> bytes:
         return pack({"state": "refused", "fault": list(told)})
 
 
-def recall(client: str, errand: int) -> None:
+def recall(key: str) -> None:
     """Leave an errand, also one that has not come yet; from any thread."""
-    key = client, errand
     with _bench.lock:
         _bench.recalled[key] = None
         while len(_bench.recalled) > 1000:
@@ -133,7 +132,7 @@ def _do(order: dict) -> dict:
     if order["method"] not in METHODS:
         raise FileFormatError("the cluster's task", f"there is no job called {order['method']!r}")
     _bench.scenes.move_to_end(order["scene"])
-    key = order["client"], order["errand"]
+    key = order["errand"]
     with _bench.lock:
         if key in _bench.recalled:
             return {"state": "left"}
