@@ -566,6 +566,7 @@ class Session:
         order: BakeOrder,
         progress: Callable[[Progress], None] | None = None,
         options=None,
+        states: tuple = (),
     ) -> BakeResult:
         """Unwrap objects, compute their lux maps and write the files.
 
@@ -574,6 +575,7 @@ class Session:
         order : BakeOrder
         progress : callable or None    Gets a `Progress`, with the history of the error once there is one.
         options : transport.lux_maps.job.Options or None    For measuring what parts of the method tell; None: the order's.
+        states : tuple of baking.layer_state.LayerState    As of `baking.run.bake`.
 
         Raises
         ------
@@ -588,9 +590,19 @@ class Session:
         if not self._has_witness:
             order = replace(order, witness=False)
         try:
-            return bake(self._host(), order, progress, options)
+            return bake(self._host(), order, progress, options, states)
         finally:
             self._stop = False
+
+    def sum_lux(
+        self, order: BakeOrder, progress: Callable[[Progress], None] | None = None
+    ) -> tuple[dict[str, np.ndarray], ...]:
+        """Make a part of the passes of a bake, as `baking.run.sum_passes`. Raises as `bake_objects`."""
+        self._cancel = False
+        llvm.settle()
+        from .baking.run import sum_passes
+
+        return sum_passes(self._host(), order, progress)
 
     # ---- live view ----
 

@@ -9,13 +9,14 @@ import itertools
 import secrets
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
 from ..accuracy.stopping import Clock, Progress, StopRule, excess_of
 from ..analysis.explanation import Explanation
 from ..baking.lumel_sheet import LumelSheet
-from ..baking.order import BakeOrder
+from ..baking.order import BakeOrder, BakeResult
 from ..daylight.coefficients import DaylightCoefficients, DaylightOrder
 from ..errors import Cancelled, SceneError
 from ..measurements import Measurement
@@ -28,6 +29,7 @@ from ..views import Picture, ViewSettings
 from .chunks import Chunk, Grain, cut
 from .crew import Crew
 from .dispatch import Dispatcher, Job
+from .lux_sum import LuxSum
 from .merging import CoefficientSum, MeasurementSum, PictureSum
 from .parcels import pack
 
@@ -45,6 +47,9 @@ SENSOR_STEP, SKY_STEP, PIXEL_STEP = 16, 10, 2
 
 FEWEST_OF_SENSOR, FEWEST_OF_SKY, FEWEST_OF_PIXEL = 1024, 2560, 16
 """Samples of a value in a chunk at least: fewer do not tell their own error well."""
+
+LUX_GRAIN = Grain(64, 1024)
+"""Of lux maps: from a number of samples of a lumel on for which a pilot pays, to one of some minutes of large scenes."""
 
 MOST_OF_VALUE = 1 << 22
 """Samples of a value in a chunk at most."""
@@ -200,6 +205,46 @@ class ClusterSession:
                 break
         return sums.merged(order.seed, job.clock.seconds)
 
+    def bake_objects(
+        self,
+        order: BakeOrder,
+        progress: Callable[[Progress], None] | None = None,
+    ) -> BakeResult:
+        """Lux maps of objects, as `Session.bake_objects`; this machine makes pages of the passes, and hears the witness.
+
+        Raises
+        ------
+        SceneError    As there, and where the order's checkpoint is there: what goes on has to do so where it began.
+        Cancelled    After `cancel`; nothing is kept.
+        """
+        if order.checkpoint is not None and Path(order.checkpoint).exists():
+            raise SceneError(
+                f"{order.checkpoint}: a bake that was interrupted goes on without a cluster only; leave out the cluster, "
+                "or begin anew"
+            )
+        rule, sums = order.rule, LuxSum()
+        # A rule may name an error in lux, of which this clock knows nothing.
+        job = _Following(
+            replace(rule, absolute=None) if _has_more(rule) else _NEVER, "lux maps", progress
+        )
+
+        def ask(chunk: Chunk) -> tuple[tuple, dict]:
+            own = StopRule(samples=chunk.samples)
+            part = replace(shared, rule=own, pass_seed=chunk.seed)
+            return (part,), {}
+
+        shared = replace(order, folder=None, checkpoint=None, conversion=())
+        for made in self._chunks("sum_lux", ask, cut(rule, order.seed, LUX_GRAIN), job):
+            sums.add(made)
+            relative, whole = sums.errors()
+            is_close = rule.absolute is not None and whole <= rule.absolute
+            if job.is_done(sums.samples, relative) or is_close:
+                break
+        states = sums.finished(rule, job.clock.seconds)
+        own = Session()
+        own.apply(self.scene.snapshot())
+        return own.bake_objects(replace(order, checkpoint=None), progress, states=states)
+
     def find_lumels(
         self,
         order: BakeOrder,
@@ -317,6 +362,15 @@ class _Following:
             self.progress(state, self.preview)
         else:
             self.progress(state)
+
+
+_NEVER = StopRule(samples=MOST_OF_VALUE)
+"""Ends nothing that something else does not end before."""
+
+
+def _has_more(rule: StopRule) -> bool:
+    """Whether a rule says more than an error in lux."""
+    return any(each is not None for each in (rule.samples, rule.error, rule.seconds))
 
 
 def _grain(values: int, fewest: int, step: int) -> Grain:

@@ -1,7 +1,9 @@
 """Workers in this process that die, stall and fail as a test says, on a clock of the test's own."""
 
+import random
 from dataclasses import dataclass, field
 
+from lumenray.engine.cluster import workplace
 from lumenray.engine.cluster.crew import Reply
 from lumenray.engine.cluster.parcels import pack, unpack
 
@@ -74,3 +76,34 @@ class FakeCrew:
     def drop(self, errand):
         self.recalled.append(errand)
         self.under_way.pop(errand, None)
+
+
+class RoomCrew:
+    """Workers that are this very process: each errand is done when it is asked after, in an order drawn at random.
+
+    All share one workplace, so that every chunk meets a session on which others were computed before.
+    """
+
+    def __init__(self, names=("a", "b"), seed=0):
+        self._names, self._draw = tuple(names), random.Random(seed)  # noqa: S311
+        self._waiting = {}
+        self.sent = []
+
+    def workers(self):
+        return dict.fromkeys(self._names, 0.0)
+
+    def send(self, errand, worker, scene, task):
+        self.sent.append((worker, len(scene)))
+        self._waiting[errand] = (scene, task)
+
+    def replies(self, _seconds):
+        if not self._waiting:
+            return []
+        errand = self._draw.choice(list(self._waiting))
+        return [Reply(errand, workplace.work(*self._waiting.pop(errand)))]
+
+    def recall(self, errand):
+        workplace.recall(errand)
+
+    def drop(self, errand):
+        self._waiting.pop(errand, None)
