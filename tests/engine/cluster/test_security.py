@@ -1,10 +1,18 @@
 """Addresses of clusters: plain lines stay on the machine."""
 
+import shutil
+import ssl
+import subprocess
 from pathlib import Path
 
 import pytest
 
-from lumenray.engine.cluster.security import Certificates, check_address, read_address
+from lumenray.engine.cluster.security import (
+    Certificates,
+    check_address,
+    make_security,
+    read_address,
+)
 from lumenray.engine.errors import LumenrayError
 
 FILES = Certificates(Path("ca.pem"), Path("own.pem"), Path("own.key"))
@@ -50,3 +58,31 @@ def test_tls_needs_certificates_that_are_there():
         check_address(read_address("tls://render.office"), None)
     with pytest.raises(LumenrayError, match=r"ca\.pem: no such file"):
         check_address(read_address("tls://render.office"), FILES)
+
+
+@pytest.fixture(scope="module")
+def certificates(tmp_path_factory):
+    """Files that openssl has made: an authority that is its own certificate."""
+    folder = tmp_path_factory.mktemp("certificates")
+    openssl = shutil.which("openssl")
+    if openssl is None:
+        pytest.skip("openssl is not there")
+    files = Certificates(folder / "own.pem", folder / "own.pem", folder / "own.key")
+    subprocess.run(
+        [openssl, "req", "-x509", "-newkey", "ec", "-pkeyopt", "ec_paramgen_curve:P-256", "-nodes",
+         "-subj", "/CN=cluster", "-keyout", files.key, "-out", files.certificate],
+        check=True, capture_output=True,
+    )  # fmt: skip
+    return files
+
+
+def test_both_ends_have_to_show_a_certificate(certificates):
+    pytest.importorskip("distributed")
+    security = make_security(read_address("tls://render.office"), certificates)
+    assert security.require_encryption
+    for role in ("scheduler", "worker"):
+        listening = security.get_listen_args(role)["ssl_context"]
+        assert listening.verify_mode is ssl.CERT_REQUIRED
+    for role in ("client", "scheduler", "worker"):
+        calling = security.get_connection_args(role)["ssl_context"]
+        assert calling.verify_mode is ssl.CERT_REQUIRED
