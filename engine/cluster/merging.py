@@ -94,12 +94,14 @@ class Origins:
 
     def merged(self, seed: int, seconds: float) -> Provenance:
         """Where the whole comes from."""
+        chunks = "1 chunk" if self._count == 1 else f"{self._count} chunks"
+        own = f"computed by a cluster in {chunks}; nothing is left out for an asked error"
         return replace(
             self.first,
             seed=seed,
             samples=self.samples,
             seconds=seconds,
-            decisions=self.tell("decisions"),
+            decisions=(own, *self.tell("decisions")),
             notes=self.tell("notes"),
         )
 
