@@ -18,8 +18,8 @@ TICK = 0.2
 """Between two looks of whoever waits. [s]"""
 
 SILENCE = 15.0
-"""Time without a sign of life after which a worker is not counted on: it beats twice a second, but not while memory is short
-or a machine is overloaded. [s]"""
+"""Time without a sign of life after which a worker is not counted on: it beats twice a second, among a thousand others every
+11 s, and later where a machine is overloaded. [s]"""
 
 SLOWNESS, LEAST_PATIENCE = 4.0, 20.0
 """Times the usual that a chunk may take before somebody else does it too, and the shortest time that is too long. [s]"""

@@ -73,6 +73,8 @@ class ClusterSession:
         self._parcels: dict[int | None, bytes] = {}
         self._jobs = itertools.count()
         self._cancel = self._stop = False
+        # What makes pages of lux maps, while it does.
+        self._own: Session | None = None
 
     def apply(self, delta: SceneDelta) -> None:
         """Change the scene; workers learn of it when the next answer is asked for.
@@ -90,6 +92,8 @@ class ClusterSession:
     def cancel(self) -> None:
         """Ask the running job to end; it raises `Cancelled`."""
         self._cancel = True
+        if self._own is not None:
+            self._own.cancel()
 
     def stop(self) -> None:
         """Ask the running job to end with the chunks that it has, as soon as there is one."""
@@ -241,9 +245,12 @@ class ClusterSession:
             if job.is_done(sums.samples, relative) or is_close:
                 break
         states = sums.finished(rule, job.clock.seconds)
-        own = Session()
-        own.apply(self.scene.snapshot())
-        return own.bake_objects(replace(order, checkpoint=None), progress, states=states)
+        self._own = Session()
+        self._own.apply(self.scene.snapshot())
+        try:
+            return self._own.bake_objects(replace(order, checkpoint=None), progress, states=states)
+        finally:
+            self._own = None
 
     def find_lumels(
         self,

@@ -3,10 +3,12 @@
 import shutil
 import ssl
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
+from lumenray.engine.cluster.dask_crew import load_dask
 from lumenray.engine.cluster.security import (
     Certificates,
     check_address,
@@ -86,3 +88,18 @@ def test_both_ends_have_to_show_a_certificate(certificates):
     for role in ("client", "scheduler", "worker"):
         calling = security.get_connection_args(role)["ssl_context"]
         assert calling.verify_mode is ssl.CERT_REQUIRED
+
+
+def test_without_dask_somebody_is_told_what_to_install(monkeypatch):
+    monkeypatch.setitem(sys.modules, "distributed", None)
+    with pytest.raises(LumenrayError, match=r"clusters need Dask.*pip install lumenray\[cluster\]"):
+        load_dask()
+
+
+def test_commands_load_dask_only_where_a_cluster_is_asked_for():
+    code = (
+        "import sys; from lumenray.command_line.main import build_parser; "
+        "build_parser('cluster'); build_parser('ink'); "
+        "sys.exit('dask' in sys.modules or 'distributed' in sys.modules)"
+    )
+    assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0
