@@ -8,6 +8,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
+from .. import VERSION
 from ..errors import EngineFault, EngineLost
 from ..worker import faults
 from .chunks import Chunk, Tally
@@ -83,11 +84,13 @@ class Dispatcher:
     Attributes
     ----------
     known : dict    Revision of the scene that each worker holds.
+    makes : set of str    What workers are that have done chunks of the last job, as of `workplace.describe`.
     """
 
     crew: Crew
     clock: Callable[[], float] = time.monotonic
     known: dict[str, int] = field(default_factory=dict)
+    makes: set[str] = field(default_factory=set)
     names: Iterator[str] = field(
         default_factory=lambda: map(f"{secrets.token_hex(8)}-{{}}".format, itertools.count())
     )
@@ -105,6 +108,7 @@ class Dispatcher:
         EngineFault    A chunk cannot be computed by anybody.
         EngineLost    The cluster is gone, or has had no worker for too long.
         """
+        self.makes.clear()
         work = _Work(self, job, chunks)
         try:
             yield from work.run()
@@ -209,7 +213,12 @@ class _Work:
         scene = self.job.scene_of(known)
         name = next(self.host.names)
         self.errands[name] = _Errand(worker, chunk, self.host.clock(), bool(scene))
-        self.crew.send(name, worker, scene, pack(self.job.task_of(chunk) | {"errand": name}))
+        self.crew.send(
+            name,
+            worker,
+            scene,
+            pack(self.job.task_of(chunk) | {"errand": name, "version": VERSION}),
+        )
 
     def _take(self, reply: Reply) -> None:
         """Take note of what came of an errand."""
@@ -238,6 +247,7 @@ class _Work:
             return
         if not errand.is_first and chunk.samples:
             self.paces.append((self.host.clock() - errand.begun) / chunk.samples)
+        self.host.makes.add(answer["make"])
         self.tally.take(chunk.number, (chunk, answer["value"]))
         self.chunks.pop(chunk.number, None)
         for name, other in self.errands.items():

@@ -139,7 +139,7 @@ class ClusterSession:
             excess = excess_of(rule, found) if sums.samples >= BELIEVED else None
             if job.is_done(sums.samples, found.relative_error(), excess):
                 break
-        whole = sums.merged(seed, job.clock.seconds)
+        whole = self._marked(sums.merged(seed, job.clock.seconds))
         if not witness:
             return whole
         return self._whole("confirm", (*places, whole), {"seed": seed} | options, job)
@@ -179,7 +179,7 @@ class ClusterSession:
             job.preview = sums.tristimulus
             if job.is_done(sums.samples, sums.error()):
                 break
-        picture = sums.merged(settings.seed, job.clock.seconds)
+        picture = self._marked(sums.merged(settings.seed, job.clock.seconds))
         if settings.spectral_file and picture.bands is not None:
             self.write_spectral(settings.spectral_file, picture)
         return picture
@@ -207,7 +207,7 @@ class ClusterSession:
             sums.add(made)
             if job.is_done(sums.samples, sums.error()):
                 break
-        return sums.merged(order.seed, job.clock.seconds)
+        return self._marked(sums.merged(order.seed, job.clock.seconds))
 
     def bake_objects(
         self,
@@ -310,6 +310,17 @@ class ClusterSession:
                     return
         finally:
             running.close()
+
+    def _marked(self, made):
+        """A result with a note where workers were unlike each other."""
+        makes = sorted(self._dispatcher.makes)
+        if len(makes) < 2:
+            return made
+        note = (
+            f"workers are unlike ({'; '.join(makes)}): the same chunks by others give the same within rounding, but not the "
+            "same bits"
+        )
+        return replace(made, provenance=made.provenance.with_words("", (note,)))
 
     def _whole(self, method: str, arguments: tuple, options: dict, job: "_Following"):
         """What a method gives that is not cut."""

@@ -4,14 +4,16 @@ It runs in a process of its own, whose only thread that computes calls `work`; a
 """
 
 import json
+import platform
+import sys
 import threading
-import time
 from collections import OrderedDict
 from dataclasses import dataclass, field
 from functools import lru_cache
+from pathlib import Path
 
 from .. import VERSION, llvm
-from ..errors import BackendError, Cancelled, EngineFault, EngineLost, FileFormatError
+from ..errors import BackendError, Cancelled, CodecError, EngineFault, EngineLost, FileFormatError
 from ..ink.crew import Solver
 from ..scene.scene import Scene
 from ..session import Session
@@ -28,8 +30,8 @@ METHODS = frozenset(
 )  # fmt: skip
 """Methods of a session that may be asked for."""
 
-_OF_THE_MACHINE = (BackendError, EngineFault, EngineLost, MemoryError)
-"""Errors that another worker may not have."""
+_OF_THE_MACHINE = (BackendError, CodecError, EngineFault, EngineLost, MemoryError)
+"""Errors that another worker may not have; one of another version may not even understand what is asked."""
 
 
 @dataclass
@@ -63,16 +65,19 @@ def work(scene: bytes, task: bytes) -> bytes:
     ----------
     scene : bytes    Parcel of what brings a scene up to date: ``name``, ``base`` (revision, None: it is a whole one),
         ``revision`` and ``deltas``; empty where nothing has changed.
-    task : bytes    Parcel of ``errand``, ``scene`` and ``revision`` that it is about, ``job``, ``method``,
+    task : bytes    Parcel of ``errand``, ``version``, ``scene`` and ``revision`` that it is about, ``job``, ``method``,
         ``arguments`` and ``options``.
 
     Returns
     -------
-    bytes    Parcel of ``state``: ``done`` with ``value``; ``lacks`` the scene; ``refused`` with ``fault``, as of
-        `worker.faults.describe`; ``failed`` with ``text``; ``left`` as it was recalled.
+    bytes    Parcel of ``state``: ``done`` with ``value`` and ``make``, as of `describe`; ``lacks`` the scene; ``refused``
+        with ``fault``, as of `worker.faults.describe`; ``failed`` with ``text``; ``left`` as it was recalled.
     """
     try:
         order = unpack(task)
+        if order["version"] != VERSION:
+            told = f"it has Lumenray {VERSION}, expected {order['version']}"
+            return pack({"state": "failed", "text": told})
         if scene:
             _update(unpack(scene))
         return pack(_do(order))
@@ -97,12 +102,15 @@ def recall(key: str) -> None:
             _bench.running[1].cancel()
 
 
+@lru_cache(maxsize=1)
 def describe() -> str:
-    """What this worker's results have their bits from: versions, and the processor that kernels are made for."""
-    llvm.settle()
-    import drjit as dr
-
-    return f"Lumenray {VERSION}, Dr.Jit {dr.__version__}, {dr.detail.llvm_version()}"
+    """What the bits of this worker's results depend on, beside the version of the engine: its processor and LLVM."""
+    processor = platform.processor() or platform.machine()
+    if sys.platform == "linux":
+        rows = Path("/proc/cpuinfo").read_text(encoding="utf-8", errors="replace").splitlines()
+        named = (row.partition(":")[2].strip() for row in rows if row.startswith("model name"))
+        processor = next(named, processor)
+    return f"{processor}, {Path(llvm.find_library() or 'no LLVM').name}"
 
 
 def _update(news: dict) -> None:
@@ -124,6 +132,7 @@ def _do(order: dict) -> dict:
     if order["method"] == "solve_ink":
         return {
             "state": "done",
+            "make": describe(),
             "value": _solver_of(*order["arguments"][:2]).solve(order["arguments"][2]),
         }
     held = _bench.scenes.get(order["scene"])
@@ -141,14 +150,13 @@ def _do(order: dict) -> dict:
             # later do: so every job builds its own.
             held.session, held.job = session_of(held.scene), order["job"]
         _bench.running = key, _Recallable(held.session, key)
-    start = time.perf_counter()
     try:
         method = getattr(held.session, order["method"])
         value = method(*order["arguments"], **order["options"], progress=_bench.running[1].look)
     finally:
         with _bench.lock:
             _bench.running = None
-    return {"state": "done", "value": value, "seconds": time.perf_counter() - start}
+    return {"state": "done", "value": value, "make": describe()}
 
 
 @lru_cache(maxsize=1)

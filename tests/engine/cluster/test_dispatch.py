@@ -19,7 +19,7 @@ def answer(worker, scene, order):
     """What a worker without faults says; nothing is left to do where it was recalled."""
     if order is None:
         return {"state": "left"}
-    return {"state": "done", "value": order["seed"] ** 2}
+    return {"state": "done", "value": order["seed"] ** 2, "make": worker}
 
 
 def scene_of(known):
@@ -92,6 +92,13 @@ def test_a_worker_without_what_it_needs_is_left_out():
     crew = FakeCrew(["a", "b"], fails)
     assert run(crew) == DONE
     assert sum(worker == "a" for worker, *_ in crew.sent) == dispatch.MOST_OF_ONE
+
+
+def test_workers_that_are_unlike_are_known():
+    crew = FakeCrew(["a", "b"], answer)
+    host = Dispatcher(crew, crew.clock)
+    run(crew, host=host)
+    assert host.makes == {"a", "b"}
 
 
 def test_a_chunk_that_nobody_can_do_ends_the_job():

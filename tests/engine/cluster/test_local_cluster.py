@@ -88,5 +88,5 @@ def test_a_scheduler_that_ends_is_told():
 
 
 def test_where_nobody_answers_somebody_is_told():
-    with pytest.raises(LumenrayError, match="no scheduler answers at tcp://127.0.0.1:9"):
+    with pytest.raises(LumenrayError, match=r"no scheduler answers at tcp://127\.0\.0\.1:9"):
         DaskCrew(read_address("tcp://127.0.0.1:9"), None)

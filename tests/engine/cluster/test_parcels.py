@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 from workers import room
 
+from lumenray.engine import VERSION
+from lumenray.engine.cluster import workplace
 from lumenray.engine.cluster.parcels import pack, unpack
 from lumenray.engine.errors import CodecError
 from lumenray.engine.scene.scene import Scene, SceneDelta
@@ -55,3 +57,40 @@ def test_damaged_parcels_are_refused(damage):
 def test_objects_that_run_are_not_sent():
     with pytest.raises(CodecError):
         pack({"run": print})
+
+
+def test_workers_of_another_version_say_so():
+    task = pack({"version": "0.0.1", "errand": "one"})
+    told = unpack(workplace.work(b"", task))
+    assert told["state"] == "failed"
+    assert "expected 0.0.1" in told["text"]
+
+
+def test_workers_do_nothing_that_they_are_not_there_for():
+    scene = Scene()
+    scene.apply(SceneDelta(changed=room()))
+    news = {"name": "s", "base": None, "revision": 1, "deltas": (scene.snapshot(),)}
+    order = {
+        "version": VERSION, "errand": "two", "scene": "s", "revision": 1, "job": "j",
+        "method": "apply", "arguments": (), "options": {},
+    }  # fmt: skip
+    told = unpack(workplace.work(pack(news), pack(order)))
+    assert told["state"] == "refused"
+    assert "there is no job called 'apply'" in told["fault"][1]
+    assert unpack(workplace.work(b"", pack(order | {"revision": 2})))["state"] == "lacks"
+    workplace.recall("two")
+    assert unpack(workplace.work(b"", pack(order | {"method": "measure"})))["state"] == "left"
+
+
+def test_an_unknown_scene_is_asked_for():
+    order = {
+        "version": VERSION,
+        "errand": "three",
+        "scene": "gone",
+        "revision": 1,
+        "method": "measure",
+    }
+    assert unpack(workplace.work(b"", pack(order)))["state"] == "lacks"
+    # A change of what is not there helps nothing.
+    news = {"name": "gone", "base": 4, "revision": 5, "deltas": ()}
+    assert unpack(workplace.work(pack(news), pack(order | {"revision": 5})))["state"] == "lacks"
