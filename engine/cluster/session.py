@@ -45,8 +45,8 @@ MOST_DELTAS = 64
 SENSOR_STEP, SKY_STEP, PIXEL_STEP = 16, 10, 2
 """Independent groups in a chunk, which have as many samples each."""
 
-FEWEST_OF_SENSOR, FEWEST_OF_SKY, FEWEST_OF_PIXEL = 1024, 2560, 16
-"""Samples of a value in a chunk at least: fewer do not tell their own error well."""
+FEWEST_OF_SENSOR, FEWEST_OF_SKY, FEWEST_OF_PIXEL = 1024, 2560, 32
+"""Samples of a value in a chunk at least: fewer do not tell their own error well, or take less time than finding cells."""
 
 LUX_GRAIN = Grain(64, 1024)
 """Of lux maps: from a number of samples of a lumel on for which a pilot pays, to one of some minutes of large scenes."""

@@ -8,9 +8,9 @@ import pytest
 
 pytest.importorskip("distributed")
 
-from lumenray.benchmarks.cluster import harm, run  # noqa: E402
-from lumenray.benchmarks.cluster.harm import Harm  # noqa: E402
-from lumenray.engine.cluster.hosts import Host  # noqa: E402
+from lumenray.benchmarks.cluster import harm, run
+from lumenray.benchmarks.cluster.harm import Harm
+from lumenray.engine.cluster.hosts import Host
 
 
 def made(equal=True, efficiency=0.95):
