@@ -61,10 +61,10 @@ def run_scheduler(
             async with scheduler:
                 ready(scheduler.address)
                 await scheduler.finished()
-        except OSError as error:
-            raise LumenrayError(
-                f"{address} cannot be listened at ({error.strerror or error})"
-            ) from None
+        except (OSError, RuntimeError) as error:
+            # Dask says that it has failed to start, and why in the error behind.
+            cause = error.__cause__ or error
+            raise LumenrayError(f"{address} cannot be listened at ({cause})") from None
 
     asyncio.run(serve())
 
@@ -109,8 +109,9 @@ def run_worker(
             async with worker:
                 ready(worker.address)
                 await worker.finished()
-        except (OSError, TimeoutError) as error:
-            raise LumenrayError(f"no scheduler answers at {address} ({error})") from None
+        except (OSError, RuntimeError, TimeoutError) as error:
+            cause = error.__cause__ or error
+            raise LumenrayError(f"no scheduler answers at {address} ({cause})") from None
 
     with tempfile.TemporaryDirectory(
         prefix="lumenray-worker-", ignore_cleanup_errors=True
