@@ -14,7 +14,7 @@ def add_command(tasks) -> None:
         "--threads",
         type=whole(1, 1024),
         metavar="N",
-        help="that compute (default: one for each processor); results do not depend on it",
+        help="that compute (default: one for each processor)",
     )
     add_certificates(worker)
     worker.set_defaults(run=run)

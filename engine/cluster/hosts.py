@@ -79,7 +79,7 @@ def run_worker(
 
     Parameters
     ----------
-    threads : int or None    Of Dr.Jit; None: one for each processor. Results do not depend on it.
+    threads : int or None    Of Dr.Jit; None: one for each processor.
     ready : callable    Told the worker's own address once it can be given work.
 
     Raises
