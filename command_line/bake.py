@@ -9,6 +9,7 @@ from ..engine.errors import Cancelled, FileFormatError, LumenrayError
 from . import bake_observers, requirements
 from .bake_table import print_bake, print_table
 from .blend_file import open_blend, quiet
+from .cluster_options import add_cluster, open_engine
 from .interruption import Interruption
 from .modelling import overrule
 from .options import add_rule, add_scene, add_witness, real, rule_of, whole, words
@@ -40,6 +41,7 @@ def add_command(commands) -> None:
     _add_files(bake.add_argument_group("files"))
     requirements.add_options(bake, "the first of the requirement, of every surface that is baked")
     assumptions.add_option(bake)
+    add_cluster(bake)
     bake.set_defaults(run=run)
 
 
@@ -216,15 +218,14 @@ def bake_open(options, depsgraph):
     """Bake objects of the open file; return the finished job."""
     from ..blender_addon.bake import folders as bake_folders
     from ..blender_addon.bake import job as bake
-    from ..engine.session import Session
 
     objects = _chosen(options, depsgraph.scene)
     settings = _settings(options, depsgraph.scene.lumenray, objects)
     job = bake.prepare(depsgraph, objects, settings)
     assumptions.refuse_missing(job.report, options.accept_missing)
     try:
-        with Bar("bake") as bar, Interruption(job):
-            job.run(Session(), bar)
+        with open_engine(options) as session, Bar("bake") as bar, Interruption(job):
+            job.run(session, bar)
     except Cancelled:
         kept = bake_folders.checkpoint_path(settings.folder).is_file()
         more = "; --resume goes on with what is done" if kept else ""

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 from ..engine.judgement.requirement import Requirement
+from .cluster_options import open_engine
 from .output import say
 from .progress import Bar
 
@@ -25,7 +26,6 @@ def judge_observers(options, depsgraph, requirement: Requirement) -> None:
     """
     from ..blender_addon.sensors import asked, files, judging
     from ..engine.light_mix import NEUTRAL
-    from ..engine.session import Session
 
     empties = observers_of(depsgraph.scene)
     if not empties or "ugr" not in requirement.light:
@@ -36,8 +36,8 @@ def judge_observers(options, depsgraph, requirement: Requirement) -> None:
     job.transport = options.transport or settings.transport.lower()
     # Ratings are of all light together.
     job.groups = ()
-    with Bar("observe") as bar:
-        job.run(Session(), bar)
+    with open_engine(options) as session, Bar("observe") as bar:
+        job.run(session, bar)
     named = [(placed.name, job.answer[placed.uid]) for placed in job.places]
     glare = replace(requirement, areas={}, light={"ugr": requirement.light["ugr"]})
     judged = judging.judge_sensors([(*row, None) for row in named], glare)

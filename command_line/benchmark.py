@@ -180,6 +180,7 @@ def add_command(commands) -> None:
         action="store_true",
         help="go on with the results that --json already holds, scene by scene",
     )
+    _add_cluster(kinds)
     _add(kinds, "kernels", _run_kernels, "what is built for pictures of the office, and for edits")
     _add(kinds, "nodes", _run_nodes, "graphs of nodes beside pictures on surfaces, in the office")
     versions = _add(
@@ -346,6 +347,29 @@ def run(options) -> int:
     if not getattr(options, "resume", False):
         check_free(options, named, options.json)
     return options.measure(options, report_progress)
+
+
+def _add_cluster(kinds) -> None:
+    cluster = _add(
+        kinds,
+        "cluster",
+        _run_cluster,
+        "the same bits whatever becomes of workers, and how well two work together",
+        "of a part",
+    )
+    cluster.add_argument(
+        "--runs", type=whole(0), default=50, metavar="N", help="with harm (default: 50)"
+    )
+    cluster.add_argument(
+        "--pairs",
+        type=whole(0),
+        default=3,
+        metavar="N",
+        help="by one worker and by two (default: 3)",
+    )
+    cluster.add_argument(
+        "--samples", type=whole(), default=1 << 20, metavar="N", help="of a sensor (default: 2^20)"
+    )
 
 
 def _add_parts(kind, parts: str) -> None:
@@ -592,6 +616,18 @@ def _run_requirements(options, say) -> int:
     is_part |= result.get("count", 0) < needs.bounds.COUNT
     _write(needs, result, options, is_part)
     return 0
+
+
+def _run_cluster(options, say) -> int:
+    from ..benchmarks.cluster import run as cluster
+    from ..benchmarks.common.bars import tell_bars
+
+    result = cluster.run(options.runs, options.pairs, options.samples, say)
+    bars = cluster.check_bars(result)
+    tell(tell_bars(bars))
+    is_part = options.runs < cluster.RUNS or options.samples != cluster.SAMPLES
+    _write(cluster, result, options, is_part or options.pairs < cluster.PAIRS)
+    return int(any(bar.passed is False for bar in bars))
 
 
 def _run_kernels(options, say) -> int:

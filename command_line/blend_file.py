@@ -77,6 +77,26 @@ def save_copy(path: Path) -> None:
         raise LumenrayError(f"{path}: cannot be saved ({str(error).strip()})") from None
 
 
+def read_scene(options):
+    """Open the .blend file of a command and convert its scene.
+
+    Returns
+    -------
+    (LumenraySceneSettings, ConversionReport, SceneDelta)
+
+    Raises
+    ------
+    LumenrayError    Blender cannot open it, or it lacks files and ``options.accept_missing`` is off.
+    """
+    from ..blender_addon.sync.scene import convert_scene
+
+    depsgraph = open_blend(options.file)
+    overrule(depsgraph.scene, options)
+    converted = convert_scene(depsgraph)
+    assumptions.refuse_missing(converted.report, options.accept_missing)
+    return depsgraph.scene.lumenray, converted.report, converted.delta
+
+
 def open_session(options):
     """Open the .blend file of a command and give its scene to an engine.
 
@@ -86,15 +106,11 @@ def open_session(options):
 
     Raises
     ------
-    LumenrayError    Blender cannot open it, or it lacks files and ``options.accept_missing`` is off.
+    LumenrayError    As of `read_scene`.
     """
-    from ..blender_addon.sync.scene import convert_scene
     from ..engine.session import Session
 
-    depsgraph = open_blend(options.file)
-    overrule(depsgraph.scene, options)
-    converted = convert_scene(depsgraph)
-    assumptions.refuse_missing(converted.report, options.accept_missing)
+    settings, report, delta = read_scene(options)
     session = Session()
-    session.apply(converted.delta)
-    return depsgraph.scene.lumenray, converted.report, session
+    session.apply(delta)
+    return settings, report, session

@@ -36,6 +36,7 @@ MODULES = {
     "road": "road",
     "probe": "probe",
     "serve": "serve",
+    "cluster": "cluster.commands",
     "validate": "validate",
     "demo": "demo",
     "benchmark": "benchmark",
@@ -59,6 +60,7 @@ EPILOG = """examples:
   lumenray sky info --place Berlin --time 2026-06-21T12:00
   lumenray environment analyse street.hdr
   lumenray glare fisheye.exr
+  lumenray cluster local -n 2
   lumenray road street.ldt --width 7 --lanes 2 --spacing 30 --height 8 --require road.m4
 
 All answers are in photometric units (lx, cd/m2) and carry their standard error. The same seed gives the same answer.

@@ -8,7 +8,8 @@ from ..blender_addon import assumptions
 from ..engine.errors import FileFormatError, LumenrayError
 from ..engine.scene.sensor import SensorKind
 from . import requirements, sensor_judgement
-from .blend_file import open_blend, open_session
+from .blend_file import open_blend, read_scene
+from .cluster_options import add_cluster, open_engine
 from .modelling import overrule
 from .options import (
     add_rule,
@@ -119,6 +120,7 @@ def add_command(commands) -> None:
     add_rule(measure, "sensor")
     requirements.add_options(measure, "by the kind of sensors")
     assumptions.add_option(measure)
+    add_cluster(measure)
     measure.set_defaults(run=run)
 
 
@@ -145,12 +147,13 @@ def run_list(options) -> int:
     kind = SensorKind(options.kind or SensorKind.PLANAR.value)
     required = requirements.find(options, kind.value)
     wants_spectrum = options.spectrum or _asks_for_spectrum(required)
-    settings, report, session = open_session(options)
+    settings, report, delta = read_scene(options)
     assumptions.refuse_media(report)
     # As of lux maps, but never fewer.
     samples = max(settings.bake.samples, 1024)
     rule = rule_of(options, lambda: StopRule(samples=samples))
-    with Bar("measure") as bar:
+    with open_engine(options) as session, Bar("measure") as bar:
+        session.apply(delta)
         made = session.measure(
             sensors[:, :3],
             sensors[:, 3:],
@@ -196,7 +199,6 @@ def run_scene(options) -> int:
     """Measure at the sensors that stand in the file."""
     from ..blender_addon.rendering import light_mix, lighting_scenes
     from ..blender_addon.sensors import asked, judging
-    from ..engine.session import Session
 
     for name in ("kind", "colour"):
         if getattr(options, name):
@@ -234,8 +236,8 @@ def run_scene(options) -> int:
         if not any(placed.sphere is not None for placed in job.places):
             raise LumenrayError(f"--photometric: {options.file} has no goniometer that is measured")
         _check_files(options, job, options.photometric, PHOTOMETRIC)
-    with Bar("measure") as bar:
-        job.run(Session(), bar)
+    with open_engine(options) as session, Bar("measure") as bar:
+        job.run(session, bar)
     judged = None
     if requirement is not None:
         judged = sensor_judgement.judge(options, scene, job, levels, requirement)

@@ -9,6 +9,7 @@ from ..blender_addon import assumptions
 from ..engine.analysis.tone_operators import OPERATORS
 from ..engine.errors import FileFormatError, LumenrayError
 from .blend_file import open_blend
+from .cluster_options import add_cluster, open_engine
 from .modelling import overrule
 from .options import (
     add_rule,
@@ -121,6 +122,7 @@ def add_command(commands) -> None:
     )
     add_rule(render, "pixel")
     assumptions.add_option(render)
+    add_cluster(render)
     render.set_defaults(run=run)
 
 
@@ -148,16 +150,19 @@ def render_open(options, depsgraph) -> int:
         scene.render.resolution_x, scene.render.resolution_y = options.size
         scene.render.resolution_percentage = 100
     shutter = shutter_of(scene, depsgraph.view_layer)
-    feed, camera, conversion = _convert(depsgraph, shutter)
-    if camera is None:
-        raise LumenrayError(f"{options.file}: the scene has no camera; add one and make it active")
-    assumptions.refuse_missing(conversion, options.accept_missing)
-    if options.light_groups:
-        scene.lumenray.light_mix.groups = options.light_groups.upper()
-    view = _view(options, scene, feed.sync.luminous)
-    levels = _levels(options, scene, view, feed.sync.luminous)
-    with Bar("render") as bar:
-        whole_picture = _take(depsgraph, feed, camera, view, shutter, bar)
+    with open_engine(options) as session:
+        feed, camera, conversion = _convert(depsgraph, shutter, session)
+        if camera is None:
+            raise LumenrayError(
+                f"{options.file}: the scene has no camera; add one and make it active"
+            )
+        assumptions.refuse_missing(conversion, options.accept_missing)
+        if options.light_groups:
+            scene.lumenray.light_mix.groups = options.light_groups.upper()
+        view = _view(options, scene, feed.sync.luminous)
+        levels = _levels(options, scene, view, feed.sync.luminous)
+        with Bar("render") as bar:
+            whole_picture = _take(depsgraph, feed, camera, view, shutter, bar)
     picture = whole_picture.mixed(levels)
     white, linear = _expose(picture, scene.lumenray)
     _write_exr(options.output, picture, white, linear, camera)
@@ -181,13 +186,12 @@ def render_open(options, depsgraph) -> int:
     return assumptions.exit_code(conversion, options.accept_missing, shortfall)
 
 
-def _convert(depsgraph, shutter):
+def _convert(depsgraph, shutter, session):
     """Return a feed that has given the scene to an engine, the camera, and what was not taken over as it is."""
     from ..blender_addon.foundation.report import ConversionReport
     from ..blender_addon.rendering.feed import SceneFeed
-    from ..engine.session import Session
 
-    feed, report = SceneFeed(Session(), final=True), ConversionReport()
+    feed, report = SceneFeed(session, final=True), ConversionReport()
     feed.sync.is_blurred = shutter is not None
     if shutter is not None:
         _go_to(depsgraph, shutter.middle)

@@ -1,9 +1,10 @@
 """What measuring gives: illuminance at sensors, and what a goniometer reads of a surface."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
+from .photometry.units import LUMINOUS_EFFICACY
 from .scene.provenance import Provenance
 
 
@@ -40,6 +41,7 @@ class Measurement:
     method : str    How light beyond the first bounce was found and why so, for people.
     spectra : SensorSpectra or None    Where they were asked for.
     has_common_errors : bool    Whether errors of sensors have much in common, as they read the same cells.
+    floors : (n,) float64 or None    Part of the errors that more samples do not lower, in all channels; None: nothing. [lx]
     """
 
     illuminance: np.ndarray
@@ -51,6 +53,22 @@ class Measurement:
     method: str = ""
     spectra: SensorSpectra | None = None
     has_common_errors: bool = False
+    floors: np.ndarray | None = None
+
+    def widened(self, floors: np.ndarray) -> "Measurement":
+        """Return it with errors that hold what sensors may be off by as well. (n,) [lx]"""
+        lux, spectra = floors[:, None], self.spectra
+        fields = {
+            "standard_error": np.hypot(self.standard_error, floors),
+            "floors": floors if self.floors is None else np.hypot(self.floors, floors),
+        }
+        if self.tristimulus_error is not None:
+            fields["tristimulus_error"] = np.hypot(self.tristimulus_error, lux)
+        if spectra is not None:
+            doses = np.hypot(spectra.equivalent_daylight_error, lux)
+            bands = np.hypot(spectra.bands_error, lux / LUMINOUS_EFFICACY)
+            fields["spectra"] = replace(spectra, equivalent_daylight_error=doses, bands_error=bands)
+        return replace(self, **fields)
 
 
 @dataclass(frozen=True)

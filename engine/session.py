@@ -76,11 +76,19 @@ class Session:
         Called between the launches of long jobs; it may use other sessions.
     witness : bool
         Whether bakes and measurements that ask for a second witness get it; not where only their own samples matter.
+    keeps_cells : bool
+        Whether pictures share cells; not where a picture must not depend on those that were made before it.
     """
 
-    def __init__(self, interrupt: Callable[[], None] | None = None, witness: bool = True):
+    def __init__(
+        self,
+        interrupt: Callable[[], None] | None = None,
+        witness: bool = True,
+        keeps_cells: bool = True,
+    ):
         self.scene = Scene()
         self._has_witness = witness
+        self._keeps_cells = keeps_cells
         self.revision = 0
         self.commit = Commit()
         self._interrupt = interrupt
@@ -375,10 +383,49 @@ class Session:
         if wanted:
             light = mean[:, 1], error[:, 1], provenance, mean[:, :3], error[:, :3], *more
             spectra = SensorSpectra(**spectral_fields(estimate)) if spectrum else None
-            return Measurement(*light, spectra, made.has_common_errors)
+            return Measurement(*light, spectra, made.has_common_errors, estimate.floors)
         return Measurement(
-            mean, error, provenance, None, None, *more, has_common_errors=made.has_common_errors
+            mean,
+            error,
+            provenance,
+            None,
+            None,
+            *more,
+            has_common_errors=made.has_common_errors,
+            floors=estimate.floors,
         )
+
+    def confirm(
+        self,
+        positions,
+        normals,
+        made: Measurement,
+        seed: int = 0,
+        transport: str = "auto",
+        progress: Callable[[Progress], None] | None = None,
+        *,
+        kind: SensorKind = SensorKind.PLANAR,
+        reflections: int | None = None,
+    ) -> Measurement:
+        """Have the second witness look at a measurement that was made of parts, which had none; else as of `measure`.
+
+        ``progress`` is told of nothing.
+
+        Returns
+        -------
+        Measurement    With errors that cover what it finds, its decision and its notes.
+        """
+        with self._engine(transport) as compiled:
+            from .accuracy.estimate import Estimate
+            from .transport.sensors.measuring import confirm
+
+            found = Estimate(made.illuminance, made.standard_error, made.provenance.samples)
+            asked = positions, normals, kind, found, seed, reflections, self._cancelled
+            heard = confirm(compiled, *asked)
+        if heard is None:
+            return made
+        provenance = made.provenance.with_words(heard.decision, heard.notes)
+        return replace(made.widened(heard.floors), provenance=provenance, balance=heard.balance)
 
     def measure_sensors(
         self,
@@ -563,6 +610,7 @@ class Session:
         order: BakeOrder,
         progress: Callable[[Progress], None] | None = None,
         options=None,
+        states: tuple = (),
     ) -> BakeResult:
         """Unwrap objects, compute their lux maps and write the files.
 
@@ -571,6 +619,7 @@ class Session:
         order : BakeOrder
         progress : callable or None    Gets a `Progress`, with the history of the error once there is one.
         options : transport.lux_maps.job.Options or None    For measuring what parts of the method tell; None: the order's.
+        states : tuple of baking.layer_state.LayerState    As of `baking.run.bake`.
 
         Raises
         ------
@@ -585,9 +634,19 @@ class Session:
         if not self._has_witness:
             order = replace(order, witness=False)
         try:
-            return bake(self._host(), order, progress, options)
+            return bake(self._host(), order, progress, options, states)
         finally:
             self._stop = False
+
+    def sum_lux(
+        self, order: BakeOrder, progress: Callable[[Progress], None] | None = None
+    ) -> tuple[dict[str, np.ndarray], ...]:
+        """Make a part of the passes of a bake, as `baking.run.sum_passes`. Raises as `bake_objects`."""
+        self._cancel = False
+        llvm.settle()
+        from .baking.run import sum_passes
+
+        return sum_passes(self._host(), order, progress)
 
     # ---- live view ----
 
@@ -778,6 +837,8 @@ class Session:
         if action:
             self.commit = Commit(count, action, time.perf_counter() - start)
         self._pending.clear()
+        if not self._keeps_cells:
+            kept = None
         self._compiled, self._kept = compiled, kept or KeptCells()
         return compiled
 

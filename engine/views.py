@@ -65,6 +65,8 @@ class Picture:
     denoising_normal : (h, w, 3) float32 or None    World space; 0 where nothing is seen.
     denoising_depth : (h, w) float32 or None    Length of the way; 0 where nothing is seen. [m]
     groups : tuple of GroupLight    What each light group gives, where they were kept apart; they add up to the picture.
+    luminance_floor, illuminance_floor : (h, w) float32 or None
+        Part of the errors that more samples do not lower; None: nothing. [cd/m2] [lx]
     """
 
     tristimulus: np.ndarray
@@ -85,6 +87,8 @@ class Picture:
     denoising_normal: np.ndarray | None = None
     denoising_depth: np.ndarray | None = None
     groups: tuple[GroupLight, ...] = ()
+    luminance_floor: np.ndarray | None = None
+    illuminance_floor: np.ndarray | None = None
 
     def widened(self, bound: float) -> "Picture":
         """Return the picture with errors that hold a share of its light as well; those of its groups stay. [-]"""
@@ -92,11 +96,19 @@ class Picture:
             return self
         share, luminance = np.float32(bound), self.tristimulus[..., 1]
         error = np.hypot(self.luminance_error, share * luminance)
-        made = replace(self, luminance_error=error, relative_error=relative_error(luminance, error))
+        made = replace(
+            self,
+            luminance_error=error,
+            relative_error=relative_error(luminance, error),
+            luminance_floor=_raised(self.luminance_floor, share * luminance),
+        )
         if made.illuminance_error is None:
             return made
+        more = share * made.illuminance
         return replace(
-            made, illuminance_error=np.hypot(made.illuminance_error, share * made.illuminance)
+            made,
+            illuminance_error=np.hypot(made.illuminance_error, more),
+            illuminance_floor=_raised(self.illuminance_floor, more),
         )
 
     def mixed(self, levels: LightMix) -> "Picture":
@@ -108,6 +120,10 @@ class Picture:
         mixed = replace(self, **vars(made), relative_error=error, bands=None, band_edges=None)
         # What is left out is wrong in all groups alike, so that it is not in their own errors.
         return mixed.widened(self.provenance.simplified)
+
+
+def _raised(floor: np.ndarray | None, more: np.ndarray) -> np.ndarray:
+    return more if floor is None else np.hypot(floor, more)
 
 
 @dataclass(frozen=True)

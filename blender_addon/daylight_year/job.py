@@ -92,9 +92,9 @@ class YearJob:
         """
         check_rules(self.question.blinds, len(self.blinds), self.year)
         self._session = session
-        session.apply(SceneDelta(changed=_all_items(self.scene)))
+        session.apply(self.scene.snapshot())
         own = Scene()
-        own.apply(SceneDelta(changed=_all_items(self.scene)))
+        own.apply(self.scene.snapshot())
         blinds = {key for keys in self.blinds for key in keys}
         there, found, sheet = set(blinds), [], None
         sensors = self.places.sensors
@@ -143,13 +143,6 @@ class YearJob:
         self._is_cancelled = True
         if self._session is not None:
             self._session.cancel()
-
-
-def _all_items(scene: Scene) -> tuple:
-    """Everything that a scene holds, pixels first as pictures name them."""
-    tables = (scene.pixels, scene.geometries, scene.materials, scene.meshes, scene.lights)
-    items = [item for table in tables for item in table.values()]
-    return (*items, scene.modelling, *([scene.world] if scene.world is not None else []))
 
 
 def find_keys(objects: dict[str, str], names, where: str) -> tuple[str, ...]:

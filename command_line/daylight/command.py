@@ -10,6 +10,7 @@ from ...blender_addon import assumptions
 from ...blender_addon.daylight_year.job import SUN_ANGLE, YearJob
 from ...engine.errors import SceneError
 from ..blend_file import open_blend
+from ..cluster_options import add_cluster, open_engine
 from ..modelling import overrule
 from ..options import add_rule, add_scene, real, rule_of, seed_of, share, transport_of, whole
 from ..output import add_output, check_free, say, sheet
@@ -66,6 +67,7 @@ def add_command(commands) -> None:
         "below 0.5%% is asked for)",
     )
     assumptions.add_option(daylight)
+    add_cluster(daylight)
     daylight.set_defaults(run=run)
 
 
@@ -203,7 +205,6 @@ def run(options) -> int:
     from ...engine.daylight.words import describe
     from ...engine.daylight.year import make_year
     from ...engine.scene.scene import Scene
-    from ...engine.session import Session
     from ...engine.sky.weather_file import read_weather
 
     names = [*TABLES, *PICTURES, *([MATRIX] if options.hourly else [])]
@@ -243,8 +244,8 @@ def run(options) -> int:
         transport_of(options, settings),
         *find_maps(options, converted.objects),
     )
-    with Bar("daylight") as bar:
-        job.run(Session(), bar, keep_states(options, job))
+    with open_engine(options) as session, Bar("daylight") as bar:
+        job.run(session, bar, keep_states(options, job))
     light, figures, maps = job.answer.light, job.answer.figures, job.answer.maps
     notes = (*notes, *job.answer.notes)
     write(options, job.answer, job.places, question, assumptions.lines_of(report, notes))

@@ -1,8 +1,10 @@
 """What the commands for pigment layers share: compositions by file or name, and the job that solves them."""
 
 import os
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
+from ..cluster_options import add_cluster, open_crew
 from ..options import whole
 from ..output import complain
 from ..progress import Bar
@@ -30,6 +32,21 @@ def add_job(parser) -> None:
     parser.add_argument(
         "--cache", type=Path, metavar="FOLDER", help="where what is solved is kept (default: yours)"
     )
+    add_cluster(parser)
+
+
+@contextmanager
+def _open_hands(options):
+    """Give what solves realisations: processes of this machine, or the workers of a cluster."""
+    from ...engine.ink.crew import run_tasks
+
+    with open_crew(options) as crew:
+        if crew is None:
+            yield run_tasks
+        else:
+            from ...engine.cluster.ink_tasks import solve_with
+
+            yield solve_with(crew)
 
 
 def solve(options):
@@ -49,10 +66,11 @@ def solve(options):
         f"{ink.name}: {solves_of(ink, plan)} solves of {plan.columns} x {plan.columns} x {plan.layers} cells, "
         f"{memory_of(ink, plan) / 2**20:.0f} MB at most in each of {options.jobs} processes"
     )
-    with Bar(ink.name) as bar:
+    with ExitStack() as stack, Bar(ink.name) as bar:
 
         def show(progress) -> None:
             left = f"{progress.left:.0f} s left" if progress.left < 1e9 else ""
             bar.share(progress.done / progress.total, left)
 
-        return compute(ink, plan, options.cache, options.jobs, show)
+        do_tasks = stack.enter_context(_open_hands(options))
+        return compute(ink, plan, options.cache, options.jobs, show, do_tasks)

@@ -68,9 +68,10 @@ class Accumulator:
 class Estimate:
     """Values with their standard errors.
 
-    ``mean`` and ``standard_error`` have the shape of the quantity; ``samples`` counts all groups together. ``events``: as$
+    ``mean`` and ``standard_error`` have the shape of the quantity; ``samples`` counts all groups together. ``events``: as
     how many samples of the largest one's size the squares of all add up to; None where nobody counted. ``lost``: how many
-    samples of all values together were no numbers.
+    samples of all values together were no numbers. ``floors``: part of the errors that more samples do not lower, the same
+    in all channels (n,); None where there is none.
     """
 
     mean: np.ndarray
@@ -78,6 +79,7 @@ class Estimate:
     samples: int
     events: np.ndarray | None = None
     lost: int = 0
+    floors: np.ndarray | None = None
 
     @classmethod
     def from_groups(cls, means: np.ndarray, samples: int) -> "Estimate":
@@ -94,12 +96,14 @@ class Estimate:
     def channel(self, number: int) -> "Estimate":
         """One column of an estimate of shape (n, channels)."""
         mean, error = self.mean[:, number], self.standard_error[:, number]
-        return Estimate(mean, error, self.samples, lost=self.lost)
+        return Estimate(mean, error, self.samples, lost=self.lost, floors=self.floors)
 
     def widened(self, floors: np.ndarray) -> "Estimate":
         """With errors that hold what values (n,) may be off by as well, in all channels."""
+        whole = floors if self.floors is None else np.hypot(self.floors, floors)
         floors = floors.reshape(len(floors), *[1] * (self.mean.ndim - 1))
-        return replace(self, standard_error=np.hypot(self.standard_error, floors))
+        error = np.hypot(self.standard_error, floors)
+        return replace(self, standard_error=error, floors=whole)
 
     def relative_error(self, weights: np.ndarray | None = None) -> float:
         """Standard error of the map: root mean square of the errors over the mean, both weighted by area.

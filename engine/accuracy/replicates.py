@@ -182,6 +182,43 @@ class ReplicateSums:
     def _total(self, part) -> np.ndarray:
         return np.add(self._sums[0, part], self._sums[1, part], dtype=np.float64)
 
+    def join(self, other: "ReplicateSums") -> None:
+        """Take in the passes of other sums of the same values, which owe nothing to these; halves stay halves.
+
+        Deviations are about the mean of all then: with s by how much a mean moves, sum w^2 (x - m)^2 becomes
+        D - 2 s T + s^2 Q of the deviation D, the tilt T = sum w^2 (x - m) and the squares Q = sum w^2.
+
+        Raises
+        ------
+        SceneError    They have another number of values or channels.
+        """
+        if (self.count, self._further.shape[1]) != (other.count, other._further.shape[1]):
+            raise SceneError(
+                f"sums of {other.count} values cannot be joined to those of {self.count}"
+            )
+        if self.is_even and not other.is_even:
+            self._weights = np.repeat(self._weights, self.count, axis=1)
+            self._squares = np.repeat(self._squares, self.count)
+            self._sums = self._sums.astype(np.float64)
+        whole = self._total(slice(None)) + other._total(slice(None))
+        mean = _ratio(whole, self.samples() + other.samples())
+        deviation, tilt = np.zeros((2, self.count))
+        for each in (self, other):
+            squares = each._of(each._squares, slice(None)).astype(np.float64)
+            shift, lean = mean - each.mean(), each._tilt.astype(np.float64)
+            deviation += each._deviation - 2.0 * shift * lean + shift**2 * squares
+            tilt += lean - shift * squares
+        if self._further.shape[1]:
+            share = _ratio(other.samples(), self.samples() + other.samples())[:, None]
+            self._further += share * (other._further - self._further)
+        self._deviation[:] = np.maximum(deviation, 0.0)
+        self._tilt[:] = tilt
+        # An odd number of passes before these makes no difference: each half has passes of its own.
+        self._sums += other._sums
+        self._weights += other._weights
+        self._squares += other._squares
+        self.passes += other.passes
+
     @classmethod
     def from_state(cls, state: dict[str, np.ndarray]) -> "ReplicateSums":
         """Sums that go on from a state.

@@ -150,6 +150,19 @@ def format_seconds(seconds: float) -> str:
     return f"{seconds // 3600}:{seconds % 3600 // 60:02d} h"
 
 
+def excess_of(rule: StopRule, made) -> float | None:
+    """Largest error of a single value over what the rule allows it, None when it says nothing of single values.
+
+    ``made``: an `Estimate`. (n,)
+    """
+    if rule.limits:
+        allowed = np.array(rule.limits)
+        if (made.standard_error[allowed <= 0.0] > 0.0).any():
+            return float("inf")
+        return float((made.standard_error / np.where(allowed > 0.0, allowed, 1.0)).max(initial=0.0))
+    return None if rule.each is None else made.largest_error(rule.floor) / rule.each
+
+
 SLOWEST, FASTEST = 0.4, 0.9
 """Bounds on the power of the samples by which an error is believed to go on falling: 1/2 for plain Monte Carlo.
 Well-distributed samples make it fall faster at first, but by 3/4 only in the end where the integrand has edges."""

@@ -74,12 +74,13 @@ class LayerState:
     pilot: dict[str, np.ndarray] = field(default_factory=dict)
     losses: Losses = field(default_factory=Losses)
 
-    def arrays(self) -> dict[str, np.ndarray]:
-        """Everything as arrays."""
+    def arrays(self, goes_on: bool = True) -> dict[str, np.ndarray]:
+        """Everything as arrays. ``goes_on``: whether cells and pilot are wanted too, which only more passes need."""
         made = {f"sums.{name}": value for name, value in self.sums.state().items()}
         made |= {f"forecast.{name}": value for name, value in self.forecaster.state().items()}
-        made |= {f"cells.{name}": value for name, value in self.cells.items()}
-        made |= {f"pilot.{name}": value for name, value in self.pilot.items()}
+        if goes_on:
+            made |= {f"cells.{name}": value for name, value in self.cells.items()}
+            made |= {f"pilot.{name}": value for name, value in self.pilot.items()}
         made |= {f"losses.{name}": value for name, value in self.losses.state().items()}
         made |= {"levels": self.levels.columns}
         made |= {"bias": self.bias_sums, "objects": self.object_passes}
@@ -106,6 +107,14 @@ class LayerState:
             part("pilot"),
             Losses(**part("losses")),
         )
+
+    def join(self, other: "LayerState") -> None:
+        """Take in passes of the same layer that owe nothing to these."""
+        self.sums.join(other.sums)
+        self.losses.join(other.losses)
+        self.bias_sums = self.bias_sums + other.bias_sums
+        self.object_passes = np.vstack([self.object_passes, other.object_passes])
+        self.passes += other.passes
 
     def review(self) -> None:
         """Find anew whether the rule is met, which may be another one than before."""

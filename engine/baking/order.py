@@ -39,6 +39,7 @@ class BakeOrder:
     arrays : bool    Whether pages are also written as plain arrays of NumPy, which programs without OpenEXR read.
     keep_pages : bool    Whether the result holds the pages' arrays; else they are in the folder only.
     witness : bool    Whether a pilot from the lights tells what the objects receive, so that the errors cover what it finds.
+    pass_seed : int or None    Of the passes, where they are a part of a bake's, whose layout goes by ``seed``; None: that.
     checkpoint : str or None    File from which an interrupted bake of the same order goes on, and to which its state is
         written from time to time.
     file, scene : str    Names of the scene's file and of the scene in it, for the report.
@@ -72,6 +73,7 @@ class BakeOrder:
     scene: str = ""
     conversion: tuple[dict, ...] = ()
     witness: bool = True
+    pass_seed: int | None = None
 
 
 @dataclass(frozen=True)

@@ -59,7 +59,7 @@ class Passes:
     def find_factors(self, compiled, ground: Ground):
         """Find the charts that turn out even in a first pass; returns what `arrange_charts` takes."""
         ending = Ending(self.host.cancelled)
-        job = self._job(compiled, ground, ending)
+        job = self._job(compiled, ground, ending, self.order.seed)
         # Whatever the rule: a bake that goes on with another one has to find the same layout.
         rule = StopRule(samples=FIRST_PASS_SAMPLES)
         count = len(ground.surfaces)
@@ -113,7 +113,9 @@ class Passes:
             def report(state: Progress, number=number, name=name) -> None:
                 self.notes.report(_part_of(state, number, len(scenes), name))
 
-            job = self._job(own, ground, ending, number)
+            # Errors of layers add up as those of independent estimates.
+            seed = order.seed if order.pass_seed is None else order.pass_seed
+            job = self._job(own, ground, ending, seed + LAYER_SEEDS * number)
             layer = Layer(
                 job,
                 rule,
@@ -140,14 +142,12 @@ class Passes:
 
     # ---- private ----
 
-    def _job(self, compiled, ground: Ground, ending: Ending, layer: int = 0) -> LuxJob:
+    def _job(self, compiled, ground: Ground, ending: Ending, seed: int) -> LuxJob:
         """Make the job of a layer."""
         self.notes.name_stage("learning where light comes from")
         missed = ground.find_missed(compiled)
         options = self.options or self._choose_options(compiled, sum(ground.table.counts))
         tracer = self._make_tracer(compiled, has_near=missed is None)
-        # Errors of layers add up as those of independent estimates.
-        seed = self.order.seed + LAYER_SEEDS * layer
         try:
             job = LuxJob(
                 compiled,

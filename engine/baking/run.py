@@ -5,6 +5,7 @@ filling, seams, smoothing, files.
 """
 
 from collections.abc import Callable
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -40,6 +41,7 @@ def bake(
     order: BakeOrder,
     progress: Callable | None = None,
     options: Options | None = None,
+    states: tuple[LayerState, ...] = (),
 ) -> BakeResult:
     """Bake.
 
@@ -49,6 +51,8 @@ def bake(
     order : BakeOrder
     progress : callable or None    Gets a `Progress`.
     options : Options or None    How the job works, for measuring; None: as the order and the scene want it.
+    states : tuple of LayerState    Of all layers, where their passes were made elsewhere, see `sum_passes`; empty: they are
+        made here.
 
     Raises
     ------
@@ -59,7 +63,10 @@ def bake(
     check_order(order)
     notes = Notes(progress)
     passes = Passes(host, order, options, notes, Saver(order, host.scene))
-    light = _find_light(passes)
+    for number, state in enumerate(states):
+        passes.saver.finish(number, state, is_late=False)
+    # What was made elsewhere was made of the whole scene.
+    light = _find_light(passes, None if states else order.rule.relative_goal)
     notes.name_stage("finishing pages", 1.0, light.provenance.samples)
     maps = make_maps(
         light.ground,
@@ -115,22 +122,59 @@ class _Light:
     balance: dict | None
 
 
-def _find_light(passes: Passes) -> _Light:
+@contextmanager
+def _lay_out(passes: Passes, goal: float | None):
+    """Give the compiled scene for an error and the lumels on it."""
     host, order, notes = passes.host, passes.order, passes.notes
     surfaces = find_surfaces(order, host.scene, notes)
     charts = find_charts(surfaces, order, host.cancelled, notes)
     atlas = arrange_charts(surfaces, charts, order)
     for name, message in atlas.notes:
         notes.depart(name, message, "baked like that")
-    objects = frozenset(order.objects)
-    asked = Asked(order.rule.relative_goal, order.exitance, objects, places=())
+    asked = Asked(goal, order.exitance, frozenset(order.objects), places=())
     with host.engine(order.transport, asked) as compiled:
         ground = find_lumels(surfaces, atlas, compiled, order.seed, host.cancelled, notes)
         if order.detail > 0.0:
             factors = passes.find_factors(compiled, ground)
             atlas = arrange_charts(surfaces, charts, order, factors)
             ground = find_lumels(surfaces, atlas, compiled, order.seed, host.cancelled, notes)
+        yield compiled, ground
+
+
+def sum_passes(
+    host: Host, order: BakeOrder, progress: Callable | None = None
+) -> tuple[dict[str, np.ndarray], ...]:
+    """Make passes of a bake, and nothing of what follows them.
+
+    Parameters
+    ----------
+    host, order, progress    As of `bake`. Of several parts of one bake ``pass_seed`` differs and ``seed`` does not.
+
+    Returns
+    -------
+    tuple of dict of str to array    State of every layer, as of `LayerState.arrays`, without what only more passes need,
+        and ``area``: surface in each lumel, 0 where it has no light of its own. (n,) [m2]
+
+    Raises
+    ------
+    SceneError, Cancelled    As of `bake`.
+    """
+    order = replace(order, checkpoint=None)
+    check_order(order)
+    notes = Notes(progress)
+    passes = Passes(host, order, None, notes, Saver(order, host.scene))
+    with _lay_out(passes, None) as (compiled, ground):
         layers = passes.run(compiled, ground)
+        known = ground.table.survey
+        area = np.where(known.valid, known.area, 0.0).astype(np.float32)
+    return tuple(state.arrays(goes_on=False) | {"area": area} for _, state in layers)
+
+
+def _find_light(passes: Passes, goal: float | None) -> _Light:
+    host, order, notes = passes.host, passes.order, passes.notes
+    with _lay_out(passes, goal) as (compiled, ground):
+        layers = passes.run(compiled, ground)
+        surfaces = ground.surfaces
         states = [state for _, state in layers]
         estimates = estimate_lumels(layers, order, ground.table, len(surfaces))
         means = find_means(len(surfaces), ground.table, estimates, states)

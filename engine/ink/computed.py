@@ -15,6 +15,7 @@ from ..scattering.data.resampling import resample
 from ..scattering.data.tristimulus import tristimulus, weights_of
 from ..scene.scattering import ScatterTable
 from .composition import Ink
+from .crew import run_tasks
 from .ensemble import Ensemble, Progress, probed_bands, solve_ensemble
 from .film import analyse
 from .plan import Plan, make_plan
@@ -126,15 +127,16 @@ def compute(
     folder: Path | None = None,
     processes: int = 1,
     report: Callable[[Progress], None] = lambda progress: None,
+    do_tasks: Callable = run_tasks,
 ) -> Computed:
-    """Solve a pigment layer, or take what was solved before.
+    """Solve a pigment layer, or take what was solved before; parameters as of `make_plan` and `solve_ensemble`.
 
     Raises
     ------
     SceneError, EngineLost, FileFormatError    As of `make_plan` and `solve_ensemble`.
     """
     plan = plan or make_plan(ink)
-    ensemble = solve_ensemble(ink, plan, folder, processes, report)
+    ensemble = solve_ensemble(ink, plan, folder, processes, report, do_tasks)
     runs = range(plan.realisations)
     whole, even, odd = (
         Printed(ink, plan.wavelengths, analyse(ink, plan, ensemble, part), plan.realisations)

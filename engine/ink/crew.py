@@ -81,31 +81,53 @@ def _structure_of(task: Task) -> tuple[int, bool]:
     return realisation, is_coarse
 
 
+class Solver:
+    """Does the tasks of an order in this process.
+
+    Parameters
+    ----------
+    order : dict    As of `run_tasks`.
+    """
+
+    def __init__(self, order: dict):
+        from .plan import Plan
+        from .reader import parse_ink
+
+        self._ink = parse_ink(order["content"])
+        stated = order["plan"]
+        rows = {name: tuple(stated[name]) for name in ("wavelengths", "sines")}
+        plan = Plan(**stated | rows)
+        self._plans = {False: plan, True: plan.halved()}
+
+    def solve(self, task: Task) -> dict[str, np.ndarray]:
+        """What a task scatters, as of `realisation.solve_unit`.
+
+        Raises
+        ------
+        SceneError    It cannot be solved.
+        """
+        from .realisation import solve_unit
+
+        realisation, band, is_coarse = task
+        return solve_unit(self._ink, self._plans[is_coarse], realisation, band)
+
+
+def archive(arrays: dict[str, np.ndarray]) -> bytes:
+    """Return arrays as a numpy archive without pickled objects."""
+    held = io.BytesIO()
+    np.savez(held, **arrays)
+    return held.getvalue()
+
+
 def work(order: dict) -> None:
     """Solve what comes on standard input until it ends."""
-    from .plan import Plan
-    from .reader import parse_ink
-    from .realisation import solve_unit
-
     # Whatever a library prints must not get into the answers.
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
-    ink = parse_ink(order["content"])
-    stated = order["plan"]
-    plan = Plan(
-        **stated
-        | {
-            "wavelengths": tuple(stated["wavelengths"]),
-            "sines": tuple(stated["sines"]),
-        }
-    )
-    plans = {False: plan, True: plan.halved()}
+    solver = Solver(order)
     for line in sys.stdin.buffer:
-        realisation, band, is_coarse = json.loads(line)
         try:
-            held = io.BytesIO()
-            np.savez(held, **solve_unit(ink, plans[is_coarse], realisation, band))
-            data, head = held.getvalue(), {}
+            data, head = archive(solver.solve(json.loads(line))), {}
         except SceneError as error:
             data, head = b"", {"fault": str(error)}
         answers.write(json.dumps(head | {"length": len(data)}).encode() + b"\n" + data)

@@ -91,6 +91,7 @@ def solve_ensemble(
     folder: Path | None = None,
     processes: int = 1,
     report: Callable[[Progress], None] = lambda progress: None,
+    do_tasks: Callable = run_tasks,
 ) -> Ensemble:
     """Solve all realisations that are not there yet.
 
@@ -98,6 +99,7 @@ def solve_ensemble(
     ----------
     folder : Path or None    Where they are kept; None: `default_folder`.
     report : callable    Told after each, and while they last; what it raises ends the job, and what was solved stays.
+    do_tasks : callable    Does them, as of `crew.run_tasks`.
 
     Raises
     ------
@@ -119,7 +121,7 @@ def solve_ensemble(
     tell()
     if missing:
         order = {"content": film_content(ink), "plan": asdict(plan)}
-        running = run_tasks(order, missing, processes)
+        running = do_tasks(order, missing, processes)
         try:
             for result in running:
                 if result is not None:

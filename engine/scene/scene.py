@@ -124,6 +124,22 @@ class Scene:
                 self.given.pop(item.id, None)
         self.attachments = {key: a for key, a in attachments.items() if a.values}
 
+    def snapshot(self) -> SceneDelta:
+        """Return the delta that makes this scene of an empty one, its items in the order in which they stand."""
+        tables = (
+            self.pixels,
+            self.geometries,
+            self.materials,
+            self.meshes,
+            self.lights,
+            self.sensors,
+        )
+        items = [self.given.get(key, item) for table in tables for key, item in table.items()]
+        if self.world is not None:
+            items.append(self.given.get(self.world.id, self.world))
+        attached = tuple(self.attachments.values())
+        return SceneDelta(changed=(*items, self.modelling), attached=attached)
+
     def check(self) -> None:
         """Refuse to go on while an item holds a number that is not finite.
 

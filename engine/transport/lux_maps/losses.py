@@ -39,10 +39,14 @@ class Losses:
 
     def add(self, other: "Losses", levels: Levels) -> None:
         """Add those of a pass. ``levels``: of its samples, which are its weights."""
-        self.counts += other.counts
+        shares = other.shares
+        self.join(Losses(other.counts, None if shares is None else levels.samples() * shares))
+
+    def join(self, other: "Losses") -> None:
+        """Add those of passes that count with their weights already."""
+        self.counts = self.counts + other.counts
         if other.shares is not None:
-            before = 0.0 if self.shares is None else self.shares
-            self.shares = before + levels.samples() * other.shares
+            self.shares = other.shares if self.shares is None else self.shares + other.shares
 
     @property
     def any(self) -> bool:

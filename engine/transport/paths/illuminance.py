@@ -8,7 +8,7 @@ import numpy as np
 
 from ...accuracy.estimate import Accumulator, Estimate
 from ...accuracy.lost_samples import find_missing
-from ...accuracy.stopping import Clock, StopRule
+from ...accuracy.stopping import Clock, StopRule, excess_of
 from ...arrays import upload
 from ...errors import Cancelled, SceneError
 from ...photometry.spectra import observer
@@ -215,16 +215,6 @@ def widened_by_loss(made: Estimate, shares: np.ndarray, lost: int) -> Estimate:
         return made
     brightest = made.mean.max(axis=1)
     return replace(made.widened(find_missing(brightest, shares, brightest.mean())), lost=lost)
-
-
-def excess_of(rule: StopRule, made: Estimate) -> float | None:
-    """Largest error of a single value over what the rule allows it, None when it says nothing of single values."""
-    if rule.limits:
-        allowed = np.array(rule.limits)
-        if (made.standard_error[allowed <= 0.0] > 0.0).any():
-            return float("inf")
-        return float((made.standard_error / np.where(allowed > 0.0, allowed, 1.0)).max(initial=0.0))
-    return None if rule.each is None else made.largest_error(rule.floor) / rule.each
 
 
 def finish(made: Estimate, colour: bool) -> Estimate:

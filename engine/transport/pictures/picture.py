@@ -467,6 +467,7 @@ class _Passes:
             shares = np.maximum(shares, lost / count)
         if self.light.cells is not None:
             shares[0] = np.maximum(shares[0], self.light.cells.lost_share)
+        by_chance = estimate.standard_error.copy()
         if shares.any():
             estimate = channels.widened(estimate, shares)
         notes = ()
@@ -491,6 +492,7 @@ class _Passes:
         shape = (self.camera.height, self.camera.width)
         fields = {
             **channels.fields(estimate, shape),
+            **_floors(channels, estimate, by_chance, shape),
             "relative_error": self.error,
             **self.layers,
         }
@@ -540,6 +542,19 @@ class _Passes:
         if beyond > 0.0:
             note += f"; the stated errors hold the {100.0 * beyond:.2g} % that are no chance"
         return beyond, note
+
+
+def _floors(channels, estimate: Estimate, by_chance: np.ndarray, shape) -> dict:
+    """What of the errors more samples do not lower, as fields of `views.Picture`; none where that is nothing.
+
+    ``by_chance``: errors without it. (n, channels)
+    """
+    square = np.maximum(estimate.standard_error**2 - by_chance**2, 0.0)
+    if not square.any():
+        return {}
+    told = channels.fields(replace(estimate, standard_error=np.sqrt(square)), shape)
+    names = {"luminance_error": "luminance_floor", "illuminance_error": "illuminance_floor"}
+    return {new: told[old] for old, new in names.items() if told.get(old) is not None}
 
 
 def _scale(values: np.ndarray) -> np.ndarray:

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...accuracy.estimate import Estimate
-from ...accuracy.stopping import Clock, StopRule
+from ...accuracy.stopping import Clock, StopRule, excess_of
 from ...errors import Cancelled
-from ..paths.illuminance import LANES, Receivers, excess_of, widened_by_loss
+from ..paths.illuminance import LANES, Receivers, widened_by_loss
 from ..pictures.view_cells import ViewCells
 from .kind_sums import KindSums
 from .sensor_light import COSTS, RESIDUAL, SensorLight

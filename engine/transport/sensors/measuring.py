@@ -21,7 +21,7 @@ from ..paths.light_learning import learn
 from ..paths.spectral_meter import band_edges
 from ..paths.visible_surfaces import Sight
 from ..pictures.view_cells import Division, ViewCells
-from ..witness.sensors import hear_sensors
+from ..witness.sensors import SensorTestimony, hear_sensors
 from .cell_job import CellJob
 from .lateness import ENDLESS, late_bounds
 from .method import BUDGET, Choice
@@ -111,6 +111,29 @@ def measure(
         return Reading(estimate, (decision,), notes, None, has_common)
     decisions = (decision, heard.decision) if heard.decision else (decision,)
     return Reading(estimate, decisions, (*notes, *heard.notes), heard.balance, has_common)
+
+
+def confirm(
+    scene,
+    positions,
+    normals,
+    kind: SensorKind,
+    found: Estimate,
+    seed: int,
+    reflections: int | None = None,
+    cancelled=lambda: False,
+) -> SensorTestimony | None:
+    """Have the second witness look at a measurement that was made elsewhere; parameters as of `hear_sensors`.
+
+    Returns
+    -------
+    SensorTestimony or None    None where there is nothing to look at: no sensors, or no surfaces.
+    """
+    if not len(found.mean) or not scene.radius > 0.0:
+        return None
+    seen = Receivers.at_points(positions, normals, kind).outlooks(scene)
+    with near_rays(scene, seen[0]), bent_lights(scene), bright_spots(scene, *seen):
+        return hear_sensors(scene, positions, normals, kind, found, seed, reflections, cancelled)
 
 
 def spectral_fields(estimate: Estimate) -> dict:

@@ -6,10 +6,9 @@ What cells are off by is known no better than by a few tenths of a per cent, so 
 import numpy as np
 
 from ...accuracy.estimate import Estimate
-from ...accuracy.stopping import Clock, StopRule
+from ...accuracy.stopping import Clock, StopRule, excess_of
 from ...errors import SceneError
 from ..lux_maps.bands import TOLERANCE, interpolation_error
-from ..paths.illuminance import excess_of
 
 METHODS = ("auto", "cells", "paths")
 

@@ -131,6 +131,7 @@ def test_the_command_line_blurs_alike_and_leaves_the_frame(square, tmp_path, cap
         output=tmp_path / "moving.exr", denoise=False, seed=None, transport=None, illuminance=False,
         spectral_exr=4, method=None, unbiased=None, samples=64, error=None, time=None,
         false_colour=False, tone=[], isolux_lines=None, values=False,
+        cluster=None, tls_ca=None, tls_cert=None, tls_key=None,
     )  # fmt: skip
     assert render_open(options, bpy.context.evaluated_depsgraph_get()) == 0
     assert scene.frame_current_final == 1.0

@@ -27,6 +27,49 @@ def test_equal_weights_give_the_textbook_standard_error():
     assert (sums.samples() == 9 * 16).all()
 
 
+@pytest.mark.parametrize("is_even", [False, True])
+def test_joined_sums_are_those_of_all_passes(is_even):
+    rng = np.random.default_rng(9)
+    values = 1e3 + rng.normal(size=(11, 30))
+    weights = np.full((11, 30), 8) if is_even else rng.integers(1, 9, (11, 30))
+    parts = []
+    for passes in (slice(0, 4), slice(4, 6), slice(6, 11)):
+        sums = ReplicateSums(30, 2, is_even=is_even)
+        for row, weight in zip(values[passes], weights[passes], strict=True):
+            sums.add(0, np.stack([row, 2.0 * row], axis=1), weight)
+            sums.end_pass()
+        parts.append(sums)
+    joined = parts[0]
+    for part in parts[1:]:
+        joined.join(part)
+    whole = summed(values, weights)
+    assert joined.passes == 11
+    assert np.allclose(joined.mean(), whole.mean(), rtol=1e-6)
+    assert np.allclose(joined.further_means()[:, 0], 2.0 * whole.mean(), rtol=1e-6)
+    assert np.allclose(joined.variance(), whole.variance(), rtol=2e-3)
+    assert np.allclose(joined.replicates(), whole.replicates(), rtol=1e-6)
+    # All passes 0, 2, 4 and so on within their parts, which here begin with even ones.
+    even = [0, 2, 4, 6, 8, 10]
+    expected = (weights[even] * values[even]).sum(axis=0) / weights[even].sum(axis=0)
+    assert np.allclose(joined.even(), expected, rtol=1e-6)
+
+
+def test_even_sums_take_in_uneven_ones():
+    rng = np.random.default_rng(10)
+    values, weights = rng.normal(5.0, 1.0, (6, 20)), rng.integers(1, 9, (6, 20))
+    weights[:3] = 4
+    joined = ReplicateSums(20, is_even=True)
+    for row in values[:3]:
+        joined.add(0, row, 4)
+        joined.end_pass()
+    joined.join(summed(values[3:], weights[3:]))
+    whole = summed(values, weights)
+    assert np.allclose(joined.mean(), whole.mean(), rtol=1e-6)
+    assert np.allclose(joined.variance(), whole.variance(), rtol=1e-3)
+    with pytest.raises(SceneError, match="21 values cannot be joined"):
+        joined.join(ReplicateSums(21))
+
+
 def test_uneven_weights_follow_the_formula():
     rng = np.random.default_rng(2)
     values, weights = rng.normal(5.0, 1.0, (12, 40)), rng.integers(0, 9, (12, 40))

@@ -1,0 +1,1 @@
+"""The commands ``lumenray cluster …``: the processes that a cluster is made of."""
