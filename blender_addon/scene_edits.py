@@ -2,24 +2,25 @@
 
 Edits are an object of JSON::
 
-    {"lights": {"Spot": {"flux": 900, "dimming": 0.5, "temperature": 3000, "is_on": true}},
-     "hidden": ["Chair"], "materials": {"Wall Paint": "wall_white_matt"}}
+    {"lights": {"Spot": {"flux": 900, "dimming": 0.5, "spectrum": "LED-B3", "is_on": true}, "Lamp": {"temperature": 3000}},
+     "hidden": ["Chair"], "materials": {"Wall Paint": "wall_white_matt", "Door": {"scene": "Oak"}}}
 """
+
+from pathlib import Path
 
 from ..engine import VERSION
 from ..engine.errors import SceneError
+from .edited_spectra import check_spectrum, choose_spectrum
 
 MOST = 10_000
 """Names of one kind, in edits and in what is told of a file."""
 
-LIGHT = {
-    "flux": (0.0, 1e9),
-    "dimming": (0.0, 1.0),
-    "temperature": (500.0, 40000.0),
-    "is_on": None,
-}
-"""What can be changed of a light, with its bounds: its flux [lm], the share of it that it is set to, the temperature of the
-blackbody that it shines like [K], and whether it shines."""
+NUMBERS = {"flux": (0.0, 1e9), "dimming": (0.0, 1.0), "temperature": (500.0, 40000.0)}
+"""What can be stated of a light, with its bounds: its flux [lm], the share of it that it is set to, and the temperature of
+the blackbody that it shines like [K]."""
+
+LIGHT = (*NUMBERS, "spectrum", "is_on")
+"""All that can be changed of a light: also its spectrum, see `edited_spectra`, and whether it shines."""
 
 PARTS = ("lights", "hidden", "materials")
 
@@ -84,20 +85,19 @@ def check_edits(edits, content: dict, library) -> dict:
         _check_name("object", name, content["objects"])
     for name, wanted in materials.items():
         _check_name("material", name, content["materials"])
-        _check_name("material of the library", wanted, library)
+        _check_material(name, wanted, content["materials"], library)
     made = {"lights": lights, "hidden": sorted(set(hidden)), "materials": materials}
     return {part: value for part, value in made.items() if value}
 
 
-def apply_edits(bpy, edits: dict) -> None:
-    """Change the open file as `check_edits` has allowed."""
+def apply_edits(bpy, edits: dict, saved: Path) -> None:
+    """Change the open file as `check_edits` has allowed; it is to be saved as ``saved``, beside which it may get files."""
     scene = bpy.context.scene
     for name, changes in edits.get("lights", {}).items():
-        _change_light(_find(scene.objects, "object", name), changes)
+        _change_light(_find(scene.objects, "object", name), changes, saved)
     for name in edits.get("hidden", ()):
         _find(scene.objects, "object", name).hide_render = True
-    for name, wanted in edits.get("materials", {}).items():
-        _find(bpy.data.materials, "material", name).user_remap(_load_material(bpy, wanted))
+    _change_materials(bpy, edits.get("materials", {}))
 
 
 def library_materials() -> dict[str, str]:
@@ -119,24 +119,42 @@ def _check_name(kind: str, name, known) -> None:
         raise SceneError(f"edits: there is no {kind} {str(name)[:80]!r}")
 
 
+def _check_material(name: str, wanted, own, library) -> None:
+    if not isinstance(wanted, dict):
+        _check_name("material of the library", wanted, library)
+        return
+    if set(wanted) != {"scene"}:
+        raise SceneError(
+            f"edits: material '{name}': expected a name of the library, or an object with 'scene', a material of the file"
+        )
+    _check_name("material", wanted["scene"], own)
+
+
 def _check_light(name: str, changes, unit: str) -> None:
     if not isinstance(changes, dict) or not set(changes) <= set(LIGHT):
         raise SceneError(f"edits: light '{name}': expected {', '.join(LIGHT)} and nothing else")
     for key, value in changes.items():
         told = f"edits: '{key}' of light '{name}'"
-        if LIGHT[key] is None:
+        if key == "spectrum":
+            check_spectrum(told, value)
+        elif key == "is_on":
             if not isinstance(value, bool):
                 raise SceneError(f"{told}: expected true or false")
-            continue
-        least, most = LIGHT[key]
-        is_number = isinstance(value, int | float) and not isinstance(value, bool)
-        if not (is_number and least <= value <= most):
-            raise SceneError(
-                f"{told}: expected a number from {least:g} to {most:g}, found {str(value)[:40]}"
-            )
+        else:
+            _check_number(told, value, *NUMBERS[key])
     if "flux" in changes and unit != "lm":
         raise SceneError(
             f"edits: light '{name}' is stated in {unit} and has no flux; dim it instead"
+        )
+    if {"spectrum", "temperature"} <= set(changes):
+        raise SceneError(f"edits: light '{name}' has a spectrum or a temperature, not both")
+
+
+def _check_number(told: str, value, least: float, most: float) -> None:
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    if not (is_number and least <= value <= most):
+        raise SceneError(
+            f"{told}: expected a number from {least:g} to {most:g}, found {str(value)[:40]}"
         )
 
 
@@ -147,7 +165,7 @@ def _find(collection, kind: str, name: str):
     return found
 
 
-def _change_light(thing, changes: dict) -> None:
+def _change_light(thing, changes: dict, saved: Path) -> None:
     from .luminaires.settings import is_luminaire, settings_of
     from .raysets.settings import is_rayset, rays_of
 
@@ -165,10 +183,12 @@ def _change_light(thing, changes: dict) -> None:
         _change_plain_light(thing.data.lumenray, changes)
     else:
         raise SceneError(f"'{thing.name}' makes lights of other objects: change these")
+    # An empty that is a luminaire has its own spectrum.
+    own = thing.data.lumenray if thing.type == "LIGHT" else thing.lumenray.luminaire
     if "temperature" in changes:
-        # An empty that is a luminaire has its own spectrum.
-        own = thing.data.lumenray if thing.type == "LIGHT" else thing.lumenray.luminaire
         own.spectrum, own.colour_temperature = "BLACKBODY", changes["temperature"]
+    if "spectrum" in changes:
+        choose_spectrum(own, changes["spectrum"], saved)
 
 
 def _change_file_light(settings, changes: dict) -> None:
@@ -176,7 +196,7 @@ def _change_file_light(settings, changes: dict) -> None:
         settings.amount, settings.luminous_flux = "LUMENS", changes["flux"]
     if "dimming" in changes:
         settings.dimming = changes["dimming"]
-    if "temperature" in changes:
+    if {"temperature", "spectrum"} & set(changes):
         settings.spectrum_source = "LIGHT"
 
 
@@ -188,6 +208,23 @@ def _change_plain_light(settings, changes: dict) -> None:
         settings.quantity, settings.value = "LUMINOUS_FLUX", changes["flux"]
     if "dimming" in changes:
         settings.value *= changes["dimming"]
+
+
+def _change_materials(bpy, materials: dict) -> None:
+    """Put materials in place of others, all at once: what is asked for is what the file had."""
+    found = {name: _find(bpy.data.materials, "material", name) for name in materials}
+    wanted = {
+        name: _load_material(bpy, each)
+        if isinstance(each, str)
+        else _find(bpy.data.materials, "material", each["scene"])
+        for name, each in materials.items()
+    }
+    # Of what gives its own place to another a copy is put in, which is not replaced in turn.
+    placed = {
+        name: each.copy() if each in found.values() else each for name, each in wanted.items()
+    }
+    for name, each in found.items():
+        each.user_remap(placed[name])
 
 
 def _load_material(bpy, name: str):

@@ -115,14 +115,14 @@ def insert_job(connection, key, user: User, scene, kind, options, edits, request
 
 
 def disk_of(database: Database, user: User) -> int:
-    """What a user's scenes and results take. [byte]"""
+    """What a user's scenes, results and edits, which every job keeps with it, take. [byte]"""
     return _disk(database.row, user)
 
 
 def _disk(ask, user: User) -> int:
     question = (
         "select coalesce((select sum(bytes) from scenes where user = ?1), 0) + "
-        "coalesce((select sum(bytes) from jobs where user = ?1), 0)"
+        "coalesce((select sum(bytes + length(edits) - 2) from jobs where user = ?1), 0)"
     )
     return ask(question, user.id)[0]
 

@@ -8,8 +8,11 @@ EPILOG = """examples:
   lumenray scene edit room.blend --edits edits.json -o dimmed.blend
 
 edits.json has what is to be changed, by name:
-  {"lights": {"Spot": {"flux": 900, "dimming": 0.5, "temperature": 3000, "is_on": true}},
-   "hidden": ["Chair"], "materials": {"Wall Paint": "wall_white_matt"}}
+  {"lights": {"Spot": {"flux": 900, "dimming": 0.5, "spectrum": "LED-B3", "is_on": true}, "Lamp": {"temperature": 3000}},
+   "hidden": ["Chair"], "materials": {"Wall Paint": "wall_white_matt", "Door": {"scene": "Oak"}}}
+A spectrum is an illuminant of the CIE by its name, or a file as 'lumenray spectrum info' reads them:
+  {"file": "lamp.csv", "text": "380 0.1\\n381 0.12\\n...", "column": 1}
+Its text is written into a folder beside OUT.blend, OUT.spectra.
 """
 
 

@@ -29,7 +29,7 @@ def run(options) -> int:
     open_blend(options.file)
     bpy = start_blender()
     content, library = scene_edits.describe(bpy), scene_edits.library_materials()
-    scene_edits.apply_edits(bpy, scene_edits.check_edits(edits, content, library))
+    scene_edits.apply_edits(bpy, scene_edits.check_edits(edits, content, library), options.output)
     save_copy(options.output)
     say(f"written to {options.output}")
     return 0

@@ -54,7 +54,18 @@ def read_spectrum(path, column: int | None = None) -> SpectrumFile:
     FileFormatError    The file cannot be read as a spectrum; the message names the line and what was expected.
     """
     path = Path(path)
-    data = read_bytes(path, MAXIMUM_BYTES)
+    return parse_spectrum(path, read_bytes(path, MAXIMUM_BYTES), column)
+
+
+def parse_spectrum(path: Path, data: bytes, column: int | None = None) -> SpectrumFile:
+    """Return the spectrum that the content of a file holds, as `read_spectrum`.
+
+    Parameters
+    ----------
+    path : Path    What the file is called; nothing is looked up there.
+    data : bytes    Its content.
+    column : int or None
+    """
     read = next(read for is_one, read in _FORMATS if is_one(path, data))
     held = read(path, data, column)
     rows, names, count = held.rows, held.names, held.count

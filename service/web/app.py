@@ -13,6 +13,7 @@ from starlette.responses import FileResponse, JSONResponse, Response, StreamingR
 from starlette.routing import Mount, Route
 from starlette.staticfiles import StaticFiles
 
+from ...blender_addon.edited_spectra import library_spectra
 from ...blender_addon.scene_edits import library_materials
 from ...engine.judgement.reader import known_requirements
 from .. import jobs, scenes
@@ -152,6 +153,12 @@ def list_materials(_request: Request, _user: User) -> Response:
     return JSONResponse(
         {"materials": [{"name": key, "title": title} for key, title in titles.items()]}
     )
+
+
+@signed_in
+def list_spectra(_request: Request, _user: User) -> Response:
+    """Answer which illuminants a light can be given."""
+    return JSONResponse({"spectra": library_spectra()})
 
 
 @signed_in
@@ -415,6 +422,7 @@ ROUTES = (
     ("GET", "/openapi.json", show_document, "This document"),
     ("GET", f"{ROOT}/me", show_user, "Who asks, and what is taken of what they may"),
     ("GET", f"{ROOT}/materials", list_materials, "Materials that can be put in place of a scene's"),
+    ("GET", f"{ROOT}/spectra", list_spectra, "Illuminants that lights can be given"),
     ("GET", f"{ROOT}/requirements", list_requirements, "Requirements by which jobs can be judged"),
     ("GET", f"{ROOT}/scenes", list_scenes, "All scenes"),
     ("POST", f"{ROOT}/scenes", upload_scene, "Upload a .blend or .glb file as ?name=NAME"),

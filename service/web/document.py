@@ -2,8 +2,10 @@
 
 import re
 
-from ...blender_addon.scene_edits import LIGHT
+from ...blender_addon.edited_spectra import LONGEST_NAME, LONGEST_TEXT, MOST_COLUMNS
+from ...blender_addon.scene_edits import NUMBERS
 from ...engine import VERSION
+from ...libraries.spectra import illuminant_names
 from ..jobs import LONGEST_REQUEST
 from ..orders import KINDS, schema_of
 
@@ -102,19 +104,41 @@ def _order(kind: str) -> dict:
 
 def _edits() -> dict:
     light = {
-        name: {"type": "boolean"}
-        if bounds is None
-        else {"type": "number", "minimum": bounds[0], "maximum": bounds[1]}
-        for name, bounds in LIGHT.items()
+        name: {"type": "number", "minimum": least, "maximum": most}
+        for name, (least, most) in NUMBERS.items()
     }
-    one = {"type": "object", "additionalProperties": False, "properties": light}
+    light |= {"spectrum": _spectrum(), "is_on": {"type": "boolean"}}
     names = {"type": "string"}
-    return {
-        "type": "object",
-        "additionalProperties": False,
-        "properties": {
+    either = {"not": {"required": ["temperature", "spectrum"]}}
+    one = _object(light) | either
+    material = {
+        "oneOf": [
+            names | {"description": "Of the library"},
+            _object({"scene": names | {"description": "Of the scene itself"}}, "scene"),
+        ]
+    }
+    return _object(
+        {
             "lights": {"type": "object", "additionalProperties": one},
             "hidden": {"type": "array", "items": names},
-            "materials": {"type": "object", "additionalProperties": names},
-        },
+            "materials": {"type": "object", "additionalProperties": material},
+        }
+    )
+
+
+def _spectrum() -> dict:
+    name = {"type": "string", "minLength": 1, "maxLength": LONGEST_NAME}
+    words = "Content of a file of a spectrum: text, CSV, CGATS or IES TM-27"
+    text = {"type": "string", "maxLength": LONGEST_TEXT, "description": words}
+    column = {"type": "integer", "minimum": 1, "maximum": MOST_COLUMNS}
+    return {
+        "oneOf": [
+            {"type": "string", "enum": list(illuminant_names())},
+            _object({"file": name, "text": text, "column": column}, "file", "text"),
+        ]
     }
+
+
+def _object(properties: dict, *needed: str) -> dict:
+    made = {"type": "object", "additionalProperties": False, "properties": properties}
+    return made | ({"required": list(needed)} if needed else {})

@@ -240,6 +240,22 @@ def test_orders_that_are_not_understood(served, ada, order, told):
     assert told in answer.json()["error"]
 
 
+def test_files_of_spectra_are_read_before_they_are_kept(served, ada):
+    scene = served.add_ready_scene()
+    path = f"{ROOT}/scenes/{scene.id}/edits"
+    spectrum = {"file": "lamp.csv", "text": "nm,W\n400,1\n500,2\n"}
+    kept = {"lights": {"Lamp": {"spectrum": spectrum}}}
+    assert ada.ask("PUT", path, json=kept).json()["edits"] == kept
+    broken = {"lights": {"Lamp": {"spectrum": spectrum | {"text": "400 1\n500 dark"}}}}
+    answer = ada.ask("PUT", path, json=broken)
+    assert answer.status_code == 400
+    assert "lamp.csv, line 2" in answer.json()["error"]
+    # Every job keeps the edits that it was ordered with, which take room.
+    before = jobs.disk_of(served.database, served.user)
+    served.submit(scene)
+    assert jobs.disk_of(served.database, served.user) > before + len(spectrum["text"])
+
+
 @pytest.mark.parametrize("body", [b"", b"{", b"\xff", b"[" * 100_000])
 def test_bodies_that_are_no_json(served, ada, body):
     path = f"{ROOT}/scenes/{served.add_ready_scene().id}/jobs"
@@ -268,6 +284,10 @@ def test_edits_are_answered_as_they_are_kept(served, ada):
     assert (told["edits"], told["content"]) == (edits, CONTENT)
     names = {each["name"] for each in ada.ask("GET", f"{ROOT}/materials").json()["materials"]}
     assert "wall_white_matt" in names
+    spectra = {each["name"]: each for each in ada.ask("GET", f"{ROOT}/spectra").json()["spectra"]}
+    # CIE 15:2018, table 12.
+    assert spectra["LED-B3"]["temperature"] == pytest.approx(4103, abs=1)
+    assert spectra["LED-B3"]["rendering"] == pytest.approx(85, abs=1)
     keys = {each["key"] for each in ada.ask("GET", f"{ROOT}/requirements").json()["requirements"]}
     assert "office.writing" in keys
 
