@@ -86,6 +86,7 @@ def check_edits(edits, content: dict, library) -> dict:
     for name, wanted in materials.items():
         _check_name("material", name, content["materials"])
         _check_material(name, wanted, content["materials"], library)
+    lights = {name: changes for name, changes in lights.items() if changes}
     made = {"lights": lights, "hidden": sorted(set(hidden)), "materials": materials}
     return {part: value for part, value in made.items() if value}
 

@@ -1,7 +1,7 @@
 // Uses the service's page as a person does, in a Chromium without a window.
 //   node page.mjs REQUEST.json > REPORT.json
 // REQUEST: { "chromium": PATH, "page": URL, "token": TEXT, "file": PATH, "error": PER CENT, "density": LUMELS PER METRE,
-//   "points": [[x, y] in shares of the room's picture], "pictures": FOLDER }
+//   "requirement": KEY, "interval": LUX, "material": TITLE, "points": [[x, y] in shares of the room's picture], "pictures": FOLDER }
 import { readFile } from 'node:fs/promises';
 import { join } from 'node:path';
 import { chromium } from 'playwright-core';
@@ -42,6 +42,38 @@ async function order(page) {
   await page.getByLabel('Lumels per metre').fill(String(request.density));
   await page.getByLabel('Requirement').fill(request.requirement);
   await page.getByRole('button', { name: 'Compute' }).click();
+}
+
+// All kinds of edits, one of them refused; what the page shows of them once the scene is opened anew.
+async function edit(page) {
+  const spectrum = page.getByLabel('spectrum of Lamp', { exact: true });
+  await page.getByLabel('temperature of Lamp').fill('3000');
+  await page.getByLabel('temperature of Lamp').press('Tab');
+  await spectrum.selectOption('cie LED-B3');
+  await page.waitForFunction(() => document.querySelector('[aria-label="temperature of Lamp"]').value === '');
+  const file = page.getByLabel('file of the spectrum of Lamp');
+  await file.setInputFiles({ name: 'broken.csv', mimeType: 'text/csv', buffer: Buffer.from('400 1\n500 dark\n') });
+  await page.locator('#said.bad').waitFor();
+  const refused = [await page.locator('#said').innerText(), await spectrum.inputValue()];
+  await file.setInputFiles({ name: 'lamp.csv', mimeType: 'text/csv', buffer: Buffer.from('nm,cold,warm\n400,1,1\n700,1,3\n') });
+  await page.getByLabel('column of the spectrum of Lamp').fill('2');
+  await page.getByLabel('column of the spectrum of Lamp').press('Tab');
+  await page.getByLabel('Material', { exact: true }).selectOption('Black');
+  await page.getByLabel('Material in its place').selectOption({ label: request.material });
+  await page.getByRole('button', { name: 'Replace' }).click();
+  await page.getByText(`Black → ${request.material}`).waitFor();
+  await page.getByRole('button', { name: 'As it was' }).click();
+  await page.getByText(`Black → ${request.material}`).waitFor({ state: 'detached' });
+  await page.getByText('None is hidden').click();
+  await page.getByLabel('Screen').uncheck();
+  await page.getByText('Hidden: Screen').waitFor();
+  await page.getByRole('button', { name: 'Open', exact: true }).click();
+  await page.getByText('Hidden: Screen').waitFor();
+  const shown = await Promise.all([
+    spectrum.locator('option:checked').innerText(), page.getByLabel('column of the spectrum of Lamp').inputValue(),
+    page.getByLabel('dimming of Lamp').inputValue(), page.getByLabel('temperature of Lamp').inputValue(),
+  ]);
+  return { refused, shown };
 }
 
 // What the page says at points of each room.
@@ -93,11 +125,14 @@ try {
   await page.getByLabel(/^dimming of/).first().fill('0.5');
   await page.getByLabel(/^dimming of/).first().press('Tab');
   await page.getByText('changes are kept').waitFor();
+  report.edits = await edit(page);
+  await picture(page, 'edits');
   await order(page);
   await page.getByRole('button', { name: /^Beside/ }).first().waitFor();
   await page.getByRole('button', { name: /^Beside/ }).first().click();
   await page.locator('.room canvas').nth(1).waitFor();
   report.beside = await probe(page);
+  report.panelTitles = await page.locator('#panel h3').allInnerTexts();
   report.titles = await page.locator('.room .title').allInnerTexts();
   await picture(page, 'beside');
 

@@ -13,6 +13,7 @@ import bpy
 import numpy as np
 import pytest
 
+from lumenray.libraries import materials
 from lumenray.service.confinement import LEAST_VERSION, landlock_version
 
 HERE = Path(__file__).parent
@@ -45,6 +46,10 @@ def save_scene(path):
     material = bpy.data.materials.new("Black")
     material.lumenray.use_override, material.lumenray.reflectance = True, 0.0
     floor.data.materials.append(material)
+    # Beside the floor, below it, where it takes no light from it.
+    bpy.ops.mesh.primitive_plane_add(size=0.2, location=(0.0, 0.0, -0.5))
+    bpy.context.object.name = "Screen"
+    bpy.context.object.data.materials.append(material)
     light = bpy.data.lights.new("Lamp", "POINT")
     light.shadow_soft_size = 0.0
     light.lumenray.use_physical = True
@@ -87,6 +92,7 @@ def visit(tmp_path_factory):
             "density": 12,
             "interval": 10,
             "requirement": "office.writing",
+            "material": materials.find_entry("wall_white_matt").title,
             "points": [[0.35, 0.6], [0.5, 0.55], [0.6, 0.75]],
             "pictures": str(pictures),
         }
@@ -143,12 +149,28 @@ def test_two_designs_are_read_at_the_same_place(visit):
 
 def test_nothing_is_loaded_from_elsewhere_and_nothing_complained_of(visit):
     assert visit["outside"] == []
-    assert visit["complaints"] == []
+    # The browser itself tells of the one edit that was refused.
+    refused = "Failed to load resource: the server responded with a status of 400 (Bad Request)"
+    assert visit["complaints"] == [refused]
     assert visit["phone"]
 
 
 def test_rooms_say_which_job_they_are(visit):
     assert visit["titles"] == ["2. bake of lamp.blend", "3. bake of lamp.blend"]
+
+
+def test_sections_of_two_rooms_say_whose_they_are(visit):
+    jobs = ["2. bake of lamp.blend", "3. bake of lamp.blend"]
+    sections = visit["panelTitles"][1:]
+    assert [title.splitlines()[-1] for title in sections] == jobs * 3
+    assert sum(title.startswith("office.writing") for title in sections) == 2
+
+
+def test_edits_are_kept_and_those_that_are_refused_change_nothing(visit):
+    said, kept = visit["edits"]["refused"]
+    assert "broken.csv, line 2" in said
+    assert kept == "cie LED-B3"
+    assert visit["edits"]["shown"] == ["lamp.csv", "2", "0.5", ""]
 
 
 def test_the_verdicts_of_the_requirement_are_told(visit):
