@@ -7,7 +7,7 @@ OUT ?= out
 export VENV
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo scenes luminaires materials test test-slow test-all validate mutations lint extension denoiser zips-check smoke enabling viewer viewport surroundings panels docs-screenshots
+.PHONY: help setup demo scenes luminaires materials test test-slow test-all validate mutations lint extension denoiser zips-check weaknesses smoke enabling viewer viewport surroundings panels docs-screenshots
 
 help: ## this list
 	@echo "make TARGET, where TARGET is one of:"
@@ -63,6 +63,9 @@ zips-check: setup ## build the zips of all systems into dist/, check them by rea
 	$(PYTHON_IN_VENV) packaging/build_extension.py --all
 	$(PYTHON_IN_VENV) packaging/denoiser_pack.py --all
 	$(PYTHON_IN_VENV) packaging/platform_report.py
+
+weaknesses: setup ## look the pinned versions up among known weaknesses: folders or zips in OSV's form, DATA="all.zip ..."
+	$(PYTHON_IN_VENV) packaging/known_weaknesses.py $(DATA)
 
 smoke: setup ## install the zip into a real Blender, render and bake there (root; 3 GB the first time; BLENDER=5.2 for another)
 	@LUMENRAY_BLENDER="$(or $(BLENDER),4.3)" tests/real_blender/run_smoke.sh
