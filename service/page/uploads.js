@@ -2,6 +2,7 @@
 import { find, pause, say } from './elements.js';
 import { openScene, showScenes } from './scenes.js';
 import { session } from './session.js';
+import { size } from './words.js';
 
 // Between two questions whether it is open. [ms]
 const WAIT = 1000;
@@ -9,6 +10,8 @@ const WAIT = 1000;
 export async function upload(event) {
   event.preventDefault();
   const [file] = find('file').files;
+  const { largest_upload: most } = await session.api.get('/me');
+  if (file.size > most) throw new Error(`${file.name} has ${size(file.size)}; you may upload ${size(most)} now`);
   const bar = find('sent');
   bar.hidden = false;
   try {

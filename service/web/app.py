@@ -18,6 +18,7 @@ from ...blender_addon.scene_edits import library_materials
 from ...engine.judgement.reader import known_requirements
 from .. import jobs, scenes
 from ..accounts import User, new_id
+from ..arrivals import Arrivals, no_room
 from ..changes import Changes
 from ..database import Database
 from ..folders import UPLOADS, Folders, list_files, make, remove
@@ -82,6 +83,7 @@ class Service:
     folders: Folders
     changes: Changes
     supervisor: Supervisor
+    arrivals: Arrivals
 
 
 def make_app(service: Service) -> Starlette:
@@ -135,13 +137,13 @@ def show_page(_request: Request) -> Response:
 @signed_in
 def show_user(request: Request, user: User) -> Response:
     """Answer who asks, and what is taken of what they may."""
-    database = request.app.state.service.database
-    quota = user.quota
+    service, quota = request.app.state.service, user.quota
     return JSONResponse(
         {
             "name": user.name,
             "quota": {"jobs": quota.jobs, "disk": quota.disk, "memory": quota.memory},
-            "disk": jobs.disk_of(database, user),
+            "disk": jobs.disk_of(service.database, user),
+            "largest_upload": max(0, min(LARGEST_UPLOAD, service.arrivals.room(user))),
         }
     )
 
@@ -186,19 +188,20 @@ async def upload_scene(request: Request, user: User) -> Response:
     """Take in a .blend or .glb file, and have it opened."""
     service = request.app.state.service
     name = scenes.check_name(request.query_params.get("name", ""))
-    room = user.quota.disk - await run_in_threadpool(jobs.disk_of, service.database, user)
+    room = await run_in_threadpool(service.arrivals.room, user)
     if room <= 0:
-        raise RefusalError(
-            413, "your scenes and results take all the room that you have; remove some"
-        )
+        raise no_room()
     key = new_id()
     folder = service.folders.scene(user.id, key)
     await run_in_threadpool(make, folder)
     try:
         coming = folder / "coming"
-        size = await save_body(request, coming, min(LARGEST_UPLOAD, room))
-        coming.rename(folder / UPLOADS[_find_kind(coming)])
-        scene = await run_in_threadpool(scenes.add_scene, service.database, user, key, name, size)
+        with service.arrivals.receive(user) as take:
+            size = await save_body(request, coming, min(LARGEST_UPLOAD, room), take)
+            coming.rename(folder / UPLOADS[_find_kind(coming)])
+            scene = await run_in_threadpool(
+                scenes.add_scene, service.database, user, key, name, size
+            )
     except BaseException:
         await run_in_threadpool(remove, folder)
         raise
@@ -258,10 +261,13 @@ async def upload_weather(request: Request, user: User) -> Response:
     await run_in_threadpool(scenes.find_ready, service.database, user, key)
     folder = service.folders.scene(user.id, key)
     coming, place = folder / f"{new_id()}.coming", folder / WEATHER_FILE
-    size = await save_body(request, coming, LARGEST_WEATHER)
-    before = place.stat().st_size if place.exists() else 0
-    coming.replace(place)
-    await run_in_threadpool(scenes.change_weather, service.database, user, key, name, size - before)
+    with service.arrivals.receive(user) as take:
+        size = await save_body(request, coming, LARGEST_WEATHER, take)
+        before = place.stat().st_size if place.exists() else 0
+        coming.replace(place)
+        await run_in_threadpool(
+            scenes.change_weather, service.database, user, key, name, size - before
+        )
     return Response(status_code=204)
 
 

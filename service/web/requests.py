@@ -3,6 +3,7 @@
 import asyncio
 import json
 import time
+from collections.abc import Callable
 from functools import wraps
 from pathlib import Path
 
@@ -58,13 +59,24 @@ async def read_json(request: Request):
         raise bad("the body is no JSON") from None
 
 
-async def save_body(request: Request, path: Path, most: int) -> int:
-    """Write the body to a new file; refuse it, and leave no file, if it is larger than ``most``. [byte]"""
+async def save_body(request: Request, path: Path, most: int, take: Callable[[int], None]) -> int:
+    """Write the body to a new file, and return how large it is; leave no file if it is refused. [byte]
+
+    Parameters
+    ----------
+    most : int    Larger ones are refused. [byte]
+    take : callable    Told how many bytes are to be written next, which it may refuse; see `arrivals.Arrivals`.
+    """
+
+    def write(part: bytes) -> None:
+        take(len(part))
+        stream.write(part)
+
     size = 0
     try:
         with path.open("xb") as stream:
             async for part in chunks(request, most):
-                await run_in_threadpool(stream.write, part)
+                await run_in_threadpool(write, part)
                 size += len(part)
     except BaseException:
         path.unlink(missing_ok=True)
@@ -105,8 +117,8 @@ def _too_large(most: int) -> RefusalError:
 async def tell_refusal(_request: Request, error: RefusalError) -> JSONResponse:
     """Answer with what was refused."""
     headers = {"WWW-Authenticate": "Bearer"} if error.code == 401 else {}
-    # What is left of a body that was refused must not be read as the next request.
-    if error.code in {408, 413}:
+    # Of a body that is too large the rest is read over for a while, or its sender would not come to read the answer.
+    if error.code == 408:
         headers["Connection"] = "close"
     return JSONResponse({"error": str(error)}, error.code, headers)
 

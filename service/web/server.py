@@ -10,6 +10,7 @@ import uvicorn
 from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from ...engine.errors import LumenrayError
+from ..arrivals import Arrivals
 from ..changes import Changes
 from ..confinement import check_kernel
 from ..database import Database
@@ -19,6 +20,9 @@ from .app import Service, make_app
 
 HEAD_PATIENCE = 10.0
 """How long the head of a request may take to come. [s]"""
+
+READ_PATIENCE = 60.0
+"""How long a client may leave an answer that waits for it unread, of which at least 48 kB fit into the line then. [s]"""
 
 LARGEST_HEAD = 16 << 10
 """[byte]"""
@@ -46,9 +50,13 @@ class Address:
 
 
 class PatientProtocol(H11Protocol):
-    """HTTP that does not wait for ever for the head of a request, so that idle clients cannot take all connections."""
+    """HTTP that does not wait for ever for the head of a request, nor for who does not read what was answered.
+
+    So clients that do nothing, or next to nothing, cannot take all connections.
+    """
 
     _timer = None
+    _reading = None
 
     def connection_made(self, transport):
         """A client is there."""
@@ -66,7 +74,24 @@ class PatientProtocol(H11Protocol):
     def connection_lost(self, exc):
         """The client is gone."""
         self._stop_waiting()
+        self._stop_reading()
         super().connection_lost(exc)
+
+    def pause_writing(self):
+        """The line to the client is full."""
+        super().pause_writing()
+        if self._reading is None:
+            self._reading = self.loop.call_later(READ_PATIENCE, self.transport.abort)
+
+    def resume_writing(self):
+        """The client has read."""
+        self._stop_reading()
+        super().resume_writing()
+
+    def _stop_reading(self) -> None:
+        if self._reading is not None:
+            self._reading.cancel()
+            self._reading = None
 
     def _await_head(self) -> None:
         if self._timer is None:
@@ -136,7 +161,8 @@ def serve(root: Path, address: Address, count: int, seconds: float, say) -> None
     with open_folder(root) as (folders, database):
         changes = Changes()
         supervisor = Supervisor(database, folders, changes, count, seconds)
-        app = make_app(Service(database, folders, changes, supervisor))
+        arrivals = Arrivals(database, folders)
+        app = make_app(Service(database, folders, changes, supervisor, arrivals))
         server = _Server(_configure(app, address), say)
         supervisor.start()
         try:

@@ -7,42 +7,20 @@ import socket
 import threading
 import time
 
-import httpx
 import pytest
-import uvicorn
 from served import CONTENT, Served
+from served_web import Client, listening
 
 from lumenray.engine.errors import LumenrayError
 from lumenray.service import accounts, jobs
 from lumenray.service.web import requests
-from lumenray.service.web.app import HEADERS, ROOT, ROUTES, Service, make_app
+from lumenray.service.web.app import HEADERS, ROOT, ROUTES
 from lumenray.service.web.server import (
     LARGEST_HEAD,
     Address,
-    PatientProtocol,
     check_address,
     open_folder,
 )
-
-
-class Client:
-    """Asks the app as one user, without a line between."""
-
-    def __init__(self, served, user):
-        service = Service(served.database, served.folders, served.changes, served.supervisor)
-        self._app = make_app(service)
-        token = accounts.add_token(served.database, user)
-        self.headers = {"Authorization": f"Bearer {token}"}
-
-    def ask(self, method, path, headers=None, **body):
-        """The answer to a request."""
-
-        async def ask():
-            transport = httpx.ASGITransport(self._app)
-            async with httpx.AsyncClient(transport=transport, base_url="http://service") as client:
-                return await client.request(method, path, headers=headers or self.headers, **body)
-
-        return asyncio.run(ask())
 
 
 @pytest.fixture
@@ -74,14 +52,25 @@ def done_job(served, scene, files):
     return job
 
 
-def paths_of(scene, job):
-    """Method and path of every route, about these."""
-    names = {"scene": scene.id, "job": job.id, "name:path": "readings.json"}
-    for method, pattern, _, _ in ROUTES:
-        path = pattern
-        for name, value in names.items():
-            path = path.replace(f"{{{name}}}", value)
-        yield method, path
+BODIES = {
+    "#/components/schemas/Order": b'{"kind": "measure"}',
+    "#/components/schemas/Edits": b'{"hidden": ["Chair"]}',
+}
+
+
+def requests_of(client, scene, job):
+    """Method, path and body of all that the document describes, about these; what it names anew needs a name here, too."""
+    names = {"scene": scene.id, "job": job.id, "name": "readings.json"}
+    for path, each in client.ask("GET", "/openapi.json").json()["paths"].items():
+        for method, told in each.items():
+            queries = [
+                row["name"] for row in told.get("parameters", ()) if row.get("in") == "query"
+            ]
+            query = "?name=a" if "name" in queries else ""
+            content = told.get("requestBody", {}).get("content", {})
+            schema = content.get("application/json", {}).get("schema", {})
+            body = BODIES[schema["$ref"]] if schema else b"BLENDER" if content else b""
+            yield method.upper(), path.format(**names) + query, body
 
 
 def test_no_route_answers_without_a_token(served, ada):
@@ -93,8 +82,8 @@ def test_no_route_answers_without_a_token(served, ada):
         {"Authorization": "Bearer lumenray_guess"},
         {"Authorization": "Basic " + ada.headers["Authorization"].partition(" ")[2]},
     ):
-        for method, path in paths_of(scene, job):
-            answer = ada.ask(method, path, headers=headers)
+        for method, path, body in requests_of(ada, scene, job):
+            answer = ada.ask(method, path, headers=headers, content=body)
             assert answer.status_code == (200 if path == "/openapi.json" else 401), path
     assert jobs.find_job(served.database, served.user, job.id).state == jobs.DONE
 
@@ -103,14 +92,13 @@ def test_no_route_tells_a_user_of_anothers_things(served, ada, bo):
     """What is another's is answered like what is not there at all, and nothing of it is changed."""
     scene = served.add_ready_scene()
     job = done_job(served, scene, {"readings.json": b"{}"})
-    bodies = {"PUT": b'{"hidden": ["Chair"]}', "POST": b'{"kind": "measure"}'}
     met = 0
-    for method, path in paths_of(scene, job):
+    for method, path, body in requests_of(bo, scene, job):
         if scene.id not in path and job.id not in path:
             continue
-        own = bo.ask(method, path + "?name=a", content=bodies.get(method, b""))
+        own = bo.ask(method, path, content=body)
         other = path.replace(scene.id, "0" * 32).replace(job.id, "0" * 32)
-        none = bo.ask(method, other + "?name=a", content=bodies.get(method, b""))
+        none = bo.ask(method, other, content=body)
         assert (own.status_code, own.content) == (404, none.content), path
         met += 1
     assert met == sum("{" in path for _, path, _, _ in ROUTES)
@@ -368,17 +356,8 @@ def test_a_folder_has_one_service(tmp_path):
 def line(served, ada, monkeypatch):
     """Address of a server with little patience."""
     monkeypatch.setattr("lumenray.service.web.server.HEAD_PATIENCE", 0.5)
-    config = uvicorn.Config(
-        ada._app, port=0, http=PatientProtocol, log_level="warning", h11_max_incomplete_event_size=LARGEST_HEAD
-    )  # fmt: skip
-    server = uvicorn.Server(config)
-    thread = threading.Thread(target=server.run)
-    thread.start()
-    while not server.started:
-        time.sleep(0.01)
-    yield server.servers[0].sockets[0].getsockname()
-    server.should_exit = True
-    thread.join()
+    with listening(ada.app) as address:
+        yield address
 
 
 def test_a_head_that_does_not_come_is_not_waited_for(line):
@@ -409,11 +388,18 @@ def test_a_second_head_on_a_line_is_not_waited_for_either(line):
         assert time.monotonic() - begin < 5.0
 
 
-def test_large_heads_are_refused(line):
+@pytest.mark.parametrize(
+    "head",
+    [
+        b"GET / HTTP/1.1\r\nHost: a\r\nX: " + b"y" * (2 * LARGEST_HEAD) + b"\r\n",
+        b"GET /" + b"y" * (2 * LARGEST_HEAD),
+        b"GET / HTTP/1.1\r\nHost: a\r\n" + b"X: y\r\n" * LARGEST_HEAD,
+    ],
+    ids=["header", "path", "headers"],
+)
+def test_large_heads_are_refused(line, head):
     with socket.create_connection(line) as connection:
         connection.settimeout(10)
-        connection.sendall(
-            b"GET / HTTP/1.1\r\nHost: a\r\n" + b"X: " + b"y" * (2 * LARGEST_HEAD) + b"\r\n"
-        )
+        connection.sendall(head)
         with contextlib.suppress(ConnectionResetError):
             assert b"400" in connection.recv(4096)
