@@ -55,6 +55,9 @@ WRITTEN = (0, 3, 4)
 IDLE = 5.0
 """Between looks into the queue if nobody says that something is new. [s]"""
 
+NO_MEMORY = "Malloc returns null"
+"""What Blender says, somewhere, when it gets no memory."""
+
 LONGEST_NOTE = 4000
 """[character]"""
 
@@ -367,6 +370,9 @@ def _why_failed(outcome: Outcome) -> str:
         return outcome.reason
     if outcome.code == 0:
         return ""
+    if any(NO_MEMORY in line for line in outcome.log):
+        # What Blender says of the file then is not true.
+        return "the file is broken, or it needs more memory than you may have"
     said = [line for line in outcome.log if line.startswith("lumenray: ")]
     if said:
         return printable(said[-1].removeprefix("lumenray: "))[:LONGEST_NOTE]

@@ -1,5 +1,7 @@
 """The command ``lumenray scene take``: a .blend or glTF file as a .blend file that needs no other, and what is in it."""
 
+import contextlib
+import io
 import json
 from pathlib import Path
 
@@ -52,14 +54,23 @@ def _import_gltf(path: Path):
     if not path.is_file():
         raise LumenrayError(f"{path}: no such file")
     try:
-        with quiet():
+        # The importer's whole way to its fault is not for users; what it was is told below.
+        with quiet(), contextlib.redirect_stderr(io.StringIO()):
             bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
             bpy.ops.import_scene.gltf(filepath=str(path.resolve()))
     except Exception as error:
         # Blender's importer is a Python program that raises whatever a broken file leads it to.
-        reason = str(error).strip().rpartition("\n")[2][:300]
-        raise LumenrayError(f"{path}: Blender cannot read this glTF file ({reason})") from error
+        raise LumenrayError(
+            f"{path}: Blender cannot read this glTF file ({_reason(error)})"
+        ) from error
     return bpy
+
+
+def _reason(error: Exception) -> str:
+    """The last thing that Blender says of what went wrong, without where in Blender's own files."""
+    lines = [line.strip() for line in str(error).splitlines()]
+    told = [line for line in lines if line and not line.startswith(("Location:", "File "))]
+    return told[-1][:300] if told else type(error).__name__
 
 
 def _check_files(bpy, path: Path) -> None:

@@ -48,6 +48,7 @@ def test_broken_gltf_files_are_refused_in_a_sentence(tmp_path, capsys, content):
     code, _, told = run_command("scene", capsys, "take", path, "-o", tmp_path / "taken.blend")
     assert code == 1
     assert "Blender cannot read this glTF file" in told
+    assert len(told.splitlines()) == 1
     assert not (tmp_path / "taken.blend").exists()
 
 
