@@ -55,8 +55,8 @@ WRITTEN = (0, 3, 4)
 IDLE = 5.0
 """Between looks into the queue if nobody says that something is new. [s]"""
 
-NO_MEMORY = "Malloc returns null"
-"""What Blender says, somewhere, when it gets no memory."""
+NO_MEMORY = ("Malloc returns null", "MemoryError")
+"""What Blender and Python say, somewhere, when they get no memory."""
 
 LONGEST_NOTE = 4000
 """[character]"""
@@ -370,7 +370,7 @@ def _why_failed(outcome: Outcome) -> str:
         return outcome.reason
     if outcome.code == 0:
         return ""
-    if any(NO_MEMORY in line for line in outcome.log):
+    if any(words in line for words in NO_MEMORY for line in outcome.log):
         # What Blender says of the file then is not true.
         return "the file is broken, or it needs more memory than you may have"
     said = [line for line in outcome.log if line.startswith("lumenray: ")]

@@ -1,6 +1,9 @@
 """Uploads that are made to do harm, opened by the command itself: refused in words, and the service goes on."""
 
 import base64
+import gzip
+import json
+import os
 import resource
 import struct
 import sys
@@ -9,15 +12,27 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
-from broken_files import blend_bomb, break_blend, break_glb, by_gzip, by_zstandard, glb, png_bomb
+from broken_files import (
+    Block,
+    blend_bomb,
+    break_blend,
+    break_glb,
+    by_gzip,
+    by_zstandard,
+    glb,
+    png_bomb,
+    read_blend,
+    write_blend,
+)
 from served import Served, running
 
 from lumenray.libraries import scenes as bundled
 from lumenray.service import scenes
 from lumenray.service.accounts import Quota
 from lumenray.service.confinement import LEAST_VERSION, landlock_version
-from lumenray.service.folders import UPLOADS
+from lumenray.service.folders import UPLOADS, find_upload
 from lumenray.service.supervisor import PROGRAM
+from lumenray.service.web.app import LARGEST_UPLOAD
 
 pytestmark = [
     pytest.mark.slow,
@@ -73,6 +88,9 @@ MEMORY = 3 << 29
 SHARED = 1 << 28
 """What of a process is not counted there: its programs. [byte]"""
 
+BLEND = b"BLENDER17-01v0500"
+"""How a file of Blender 5 begins."""
+
 FINE = [
     (Path(__file__).parents[1] / "blender_addon" / "saved_files" / f"{name}.blend").read_bytes()
     for name in ("lights", "materials", "bake")
@@ -86,12 +104,14 @@ def served(tmp_path, monkeypatch):
     return Served(tmp_path, count=2, seconds=120.0, quota=Quota(memory=MEMORY), program=PROGRAM)
 
 
-def open_all(served, uploads):
-    """What becomes of uploads, by their names, and of a sound one behind them."""
+def open_all(served, uploads, size=None):
+    """What becomes of uploads, by their names, and of a sound one behind them; all with zeros up to a size. [byte]"""
     added = {
         name: served.add_scene(upload=content, kind=kind)
         for name, (kind, content) in uploads.items()
     }
+    for scene in added.values() if size else ():
+        os.truncate(find_upload(served.folders.scene(served.user.id, scene.id)), size)
     fine = served.add_scene(upload=WHOLE)
     with running(served):
         found = {name: served.wait_until_opened(scene, 400.0) for name, scene in added.items()}
@@ -148,6 +168,30 @@ def test_bombs_take_no_more_memory_than_their_user_may(served):
         assert "more memory than you may have" in found[name].note
     most = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss
     # In KiB, of the largest process until now.
+    assert most <= max(before, (MEMORY + SHARED) >> 10)
+
+
+def test_uploads_of_two_gigabytes_are_opened_in_their_place(served):
+    """They say that they need what they have: one buffer, one block, or a scene and what no scene has behind it."""
+    length = LARGEST_UPLOAD - 12 - 8 - 8
+    document = json.dumps(mesh_document() | {"buffers": [{"byteLength": length}]}).encode()
+    document += b" " * (-len(document) % 4)
+    length -= len(document)
+    head = b"glTF" + struct.pack("<IIII", 2, LARGEST_UPLOAD, len(document), 0x4E4F534A) + document
+    plain = write_blend(*read_blend(FINE[0]))
+    block = Block(b"DATA", 0, 1 << 40, 1, b"", LARGEST_UPLOAD - len(BLEND) - 32)
+    uploads = {
+        "glb": ("gltf", head + struct.pack("<I4s", length, b"BIN\0")),
+        "block": ("blend", BLEND + block.head()),
+        "scene": ("blend", plain),
+        "gzip": ("blend", gzip.compress(plain)),
+    }
+    before = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss
+    found = open_all(served, uploads, LARGEST_UPLOAD)
+    for name in ("glb", "block"):
+        assert found[name].state == scenes.FAILED
+    assert "more memory than you may have" in found["glb"].note
+    most = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss
     assert most <= max(before, (MEMORY + SHARED) >> 10)
 
 
