@@ -11,6 +11,7 @@ import pytest
 from served import CONTENT, Served
 from served_web import Client, listening
 
+from lumenray.blender_addon import scene_edits
 from lumenray.engine.errors import LumenrayError
 from lumenray.service import accounts, jobs
 from lumenray.service.web import requests
@@ -329,6 +330,18 @@ def test_the_document_describes_every_route(ada):
         "measure",
         "daylight",
     ]
+
+
+def test_the_document_has_the_words_by_which_edits_are_checked(ada):
+    document = ada.ask("GET", "/openapi.json").json()
+    edits = document["components"]["schemas"]["Edits"]["properties"]
+    assert set(edits) == set(scene_edits.PARTS)
+    light = edits["lights"]["additionalProperties"]["properties"]
+    assert set(light) == set(scene_edits.LIGHT)
+    named, file = light["spectrum"]["oneOf"]
+    listed = ada.ask("GET", f"{ROOT}/spectra").json()["spectra"]
+    assert named["enum"] == [each["name"] for each in listed]
+    assert set(file["required"]) == {"file", "text"}
 
 
 # ---- the door ----
