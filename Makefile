@@ -7,7 +7,7 @@ OUT ?= out
 export VENV
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo scenes luminaires materials test test-slow test-all validate mutations lint extension denoiser zips-check weaknesses smoke enabling viewer viewport surroundings panels docs-screenshots
+.PHONY: help setup demo scenes luminaires materials test test-slow test-all validate mutations lint extension denoiser zips-check weaknesses smoke enabling viewer page-pictures viewport surroundings panels docs-screenshots
 
 help: ## this list
 	@echo "make TARGET, where TARGET is one of:"
@@ -76,6 +76,10 @@ enabling: setup ## tell what enabling the extension takes in a real Blender (roo
 viewer: setup ## load an exported scene in three.js, and use the service's page, in a headless Chromium (root the first time)
 	@tests/viewer/setup.sh
 	$(PYTHON_IN_VENV) -m pytest tests/viewer
+
+page-pictures: setup ## take the guide's pictures of the service's page into docs/pictures (root the first time)
+	@tests/viewer/setup.sh
+	$(PYTHON_IN_VENV) tests/viewer/take_pictures.py docs/pictures
 
 viewport: setup ## use the rendered view in a real Blender's window: pictures, faults, memory, closing (root)
 	@tests/real_blender/run_viewport.sh

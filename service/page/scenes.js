@@ -32,9 +32,15 @@ async function removeScene(scene) {
   await Promise.all([showScenes(), showJobs()]);
 }
 
+// Of the scene that is open.
+let edits = null;
+
 export async function openScene(id) {
+  // What was changed until now is there when it is asked for, and nothing more is changed meanwhile.
+  find('scene').hidden = true;
+  await edits?.last;
   const scene = await session.api.get(`/scenes/${id}`);
-  const edits = new Edits(session.api, scene);
+  edits = new Edits(session.api, scene);
   const heading = (text) => make('h3', { textContent: text });
   find('scene').replaceChildren(
     make('h2', { textContent: scene.name }),
