@@ -4,6 +4,9 @@ Building the search tree of all triangles takes seconds where there are millions
 that are traced in the same kernel: a *still* one with everything that stood there when it was built, and a *hot* one with
 what was edited since. A shape that leaves the still scene is not taken out of its tree but marked as gone, and rays go on
 behind it. Now and then, and before long jobs, everything settles into a new still scene.
+
+Kernels of graphics cards can trace one Mitsuba scene only: OptiX gives all others no hits. There the layers share one tree,
+in which each goes on behind what belongs to another (`SharedLayer`).
 """
 
 import drjit as dr
@@ -88,9 +91,7 @@ class Layer:
             self._hot_changed = False
         if self._gone_changed:
             # Hot shapes have higher numbers too, but only still ones are looked up.
-            marks = np.zeros(table_size(max(self._still_shapes) + 1), dtype=bool)
-            marks[list(self._gone_ids)] = True
-            self._gone = upload(mi.Bool, marks)
+            self._gone = mark(self._gone_ids, max(self._still_shapes))
             self._gone_changed = False
         return False
 
@@ -129,7 +130,7 @@ class Layer:
     def ray_intersect_preliminary(self, ray, coherent=False, active=True):
         """Nearest hit, without its surface data."""
         active = mi.Bool(active)
-        hit = self._nearest_still(ray, coherent, active)
+        hit = nearest(self._still, self._gone, ray, coherent, active)
         if self._hot is not None:
             other = self._hot.ray_intersect_preliminary(ray, mi.Bool(coherent), active)
             hit = dr.select(other.t < hit.t, other, hit)
@@ -143,43 +144,160 @@ class Layer:
     def ray_test(self, ray, active=True):
         """Whether anything stands in the way."""
         active = mi.Bool(active)
-        if self._gone is None:
-            blocked = self._still.ray_test(ray, active)
-        else:
-            blocked = active & self._nearest_still(ray, False, active).is_valid()
+        blocked = is_blocked(self._still, self._gone, ray, active)
         if self._hot is not None:
             blocked |= self._hot.ray_test(ray, active & ~blocked)
         return blocked
 
-    def _nearest_still(self, ray, coherent, active):
-        hit = self._still.ray_intersect_preliminary(ray, mi.Bool(coherent), active)
-        if self._gone is None:
-            return hit
 
-        def onwards(hit, travelled, looking):
-            reach = dr.max(dr.abs(ray(travelled + hit.t))) + 1.0
-            travelled = dr.select(looking, travelled + hit.t + GONE_STEP * reach, travelled)
-            rest = mi.Ray3f(ray)
-            rest.o = ray(travelled)
-            rest.maxt = ray.maxt - travelled
-            following = self._still.ray_intersect_preliminary(rest, mi.Bool(False), looking)
-            hit = dr.select(looking, following, hit)
-            return hit, travelled, looking & self._is_gone(following, looking)
+class SharedTree:
+    """Mitsuba scene of the shapes of several layers, built anew when one of them has changed."""
 
-        start = mi.Float(0.0)
-        hit, travelled, _ = dr.while_loop(
-            state=(hit, start, active & self._is_gone(hit, active)),
-            cond=lambda hit, travelled, looking: looking,
-            body=onwards,
-            labels=("hit", "travelled", "looking"),
-        )
-        hit.t += travelled
+    def __init__(self):
+        self.shapes: dict[int, object] = {}
+        self.scene = _scene([])
+        self.version = 0
+        self._is_stale = False
+
+    def put(self, number: int, shape) -> None:
+        """Take a shape in, or note that one was changed."""
+        self.shapes[number] = shape
+        self._is_stale = True
+
+    def drop(self, number: int) -> None:
+        """Let a shape go."""
+        del self.shapes[number]
+        self._is_stale = True
+
+    def commit(self) -> None:
+        """Bring the scene up to date."""
+        if self._is_stale:
+            self.scene = None
+            self.scene = _scene(list(self.shapes.values()))
+            self.version += 1
+            self._is_stale = False
+
+
+class SharedLayer:
+    """As `Layer`, out of a tree that other layers are in too.
+
+    Shapes of two layers that are nearer to each other than the step behind a surface are taken for one.
+
+    Parameters
+    ----------
+    pool : SurfacePool    Knows the surfaces of the shapes.
+    tree : SharedTree
+    """
+
+    is_settled = True
+
+    def __init__(self, pool: SurfacePool, tree: SharedTree):
+        self._pool, self._tree = pool, tree
+        self._own: set[int] = set()
+        self._foreign = None
+        self._version = None
+
+    def __len__(self) -> int:
+        """Count of the shapes that are there."""
+        return len(self._own)
+
+    def add(self, shape, number: int, _triangles: int) -> None:
+        """Add a shape. ``number``: its `pointer_id`."""
+        self._own.add(number)
+        self._tree.put(number, shape)
+
+    def remove(self, number: int) -> None:
+        """Take a shape away."""
+        self._own.remove(number)
+        self._tree.drop(number)
+
+    def replace(self, number: int) -> None:
+        """Note that a shape itself was changed."""
+        self._tree.put(number, self._tree.shapes[number])
+
+    def commit(self) -> bool:
+        """Bring the tree up to date; never waits for a large one beside others."""
+        self._tree.commit()
+        return False
+
+    def settle(self) -> None:
+        """As `commit`."""
+        self.commit()
+
+    def ray_intersect_preliminary(self, ray, coherent=False, active=True):
+        """Nearest hit, without its surface data."""
+        return nearest(self._tree.scene, self._others(), ray, coherent, mi.Bool(active))
+
+    def ray_intersect(self, ray, active=True):
+        """Nearest surface."""
+        hit = self.ray_intersect_preliminary(ray, False, active)
+        return self._pool.interaction(hit, ray, active)
+
+    def ray_test(self, ray, active=True):
+        """Whether anything stands in the way."""
+        return is_blocked(self._tree.scene, self._others(), ray, mi.Bool(active))
+
+    def _others(self):
+        """Marks of the shapes of other layers by their numbers, None where there are none."""
+        if self._version != self._tree.version:
+            foreign = self._tree.shapes.keys() - self._own
+            self._foreign = mark(foreign, max(self._tree.shapes)) if foreign else None
+            self._version = self._tree.version
+        return self._foreign
+
+
+def make_layers(pool: SurfacePool, count: int, shares: bool) -> list[Layer] | list[SharedLayer]:
+    """Return empty layers. ``shares``: whether kernels can trace one Mitsuba scene only."""
+    if not shares:
+        return [Layer(pool) for _ in range(count)]
+    tree = SharedTree()
+    return [SharedLayer(pool, tree) for _ in range(count)]
+
+
+def mark(numbers, last: int):
+    """Table of what `nearest` passes by, for shapes with numbers up to the ``last`` one."""
+    marks = np.zeros(table_size(last + 1), dtype=bool)
+    marks[list(numbers)] = True
+    return upload(mi.Bool, marks)
+
+
+def nearest(scene, passed, ray, coherent, active):
+    """Nearest hit of a Mitsuba scene that is none of the ``passed`` shapes (table by number, or None)."""
+    hit = scene.ray_intersect_preliminary(ray, mi.Bool(coherent), active)
+    if passed is None:
         return hit
 
-    def _is_gone(self, hit, active):
+    def is_passed(hit, active):
         known = active & hit.is_valid()
         ids = dr.reinterpret_array(mi.UInt32, hit.shape)
-        return known & dr.gather(mi.Bool, self._gone, ids, known)
+        return known & dr.gather(mi.Bool, passed, ids, known)
+
+    def onwards(hit, travelled, looking):
+        reach = dr.max(dr.abs(ray(travelled + hit.t))) + 1.0
+        travelled = dr.select(looking, travelled + hit.t + GONE_STEP * reach, travelled)
+        rest = mi.Ray3f(ray)
+        rest.o = ray(travelled)
+        rest.maxt = ray.maxt - travelled
+        following = scene.ray_intersect_preliminary(rest, mi.Bool(False), looking)
+        hit = dr.select(looking, following, hit)
+        return hit, travelled, looking & is_passed(following, looking)
+
+    start = mi.Float(0.0)
+    hit, travelled, _ = dr.while_loop(
+        state=(hit, start, active & is_passed(hit, active)),
+        cond=lambda hit, travelled, looking: looking,
+        body=onwards,
+        labels=("hit", "travelled", "looking"),
+    )
+    hit.t += travelled
+    return hit
+
+
+def is_blocked(scene, passed, ray, active):
+    """Whether anything of a Mitsuba scene but the ``passed`` shapes stands in the way."""
+    if passed is None:
+        return scene.ray_test(ray, active)
+    return active & nearest(scene, passed, ray, False, active).is_valid()
 
 
 def _scene(shapes):
