@@ -59,8 +59,8 @@ class Layer:
         """Whether all shapes are in the still scene."""
         return not (self._hot_shapes or self._gone_ids or self._hot_changed)
 
-    def add(self, shape, number: int, triangles: int) -> None:
-        """Add a shape. ``number``: its `pointer_id`."""
+    def add(self, shape, number: int, triangles: int, _twin: int = 0) -> None:
+        """Add a shape. ``number``: its `pointer_id`; ``_twin``: as of `SharedLayer`."""
         if self._is_fresh:
             self._still_shapes[number] = (shape, triangles)
         else:
@@ -91,7 +91,9 @@ class Layer:
             self._hot_changed = False
         if self._gone_changed:
             # Hot shapes have higher numbers too, but only still ones are looked up.
-            self._gone = mark(self._gone_ids, max(self._still_shapes))
+            marks = np.zeros(table_size(max(self._still_shapes) + 1), dtype=bool)
+            marks[list(self._gone_ids)] = True
+            self._gone = upload(mi.Bool, marks)
             self._gone_changed = False
         return False
 
@@ -130,7 +132,7 @@ class Layer:
     def ray_intersect_preliminary(self, ray, coherent=False, active=True):
         """Nearest hit, without its surface data."""
         active = mi.Bool(active)
-        hit = nearest(self._still, self._gone, ray, coherent, active)
+        hit = nearest(self._still, self._find_gone(), ray, coherent, active)
         if self._hot is not None:
             other = self._hot.ray_intersect_preliminary(ray, mi.Bool(coherent), active)
             hit = dr.select(other.t < hit.t, other, hit)
@@ -144,10 +146,16 @@ class Layer:
     def ray_test(self, ray, active=True):
         """Whether anything stands in the way."""
         active = mi.Bool(active)
-        blocked = is_blocked(self._still, self._gone, ray, active)
+        blocked = is_blocked(self._still, self._find_gone(), ray, active)
         if self._hot is not None:
             blocked |= self._hot.ray_test(ray, active & ~blocked)
         return blocked
+
+    def _find_gone(self):
+        """What tells of hits whether rays go on behind them, None where none do."""
+        if self._gone is None:
+            return None
+        return lambda hit, active: (hit, active & _look_up(mi.Bool, self._gone, hit, active))
 
 
 class SharedTree:
@@ -159,14 +167,19 @@ class SharedTree:
         self.version = 0
         self._is_stale = False
 
-    def put(self, number: int, shape) -> None:
-        """Take a shape in, or note that one was changed."""
-        self.shapes[number] = shape
-        self._is_stale = True
+    def put(self, number: int, shape, is_twin: bool) -> None:
+        """Take a shape in. ``is_twin``: whether one of the same triangles is in already."""
+        if not is_twin:
+            self.shapes[number] = shape
+        self.touch()
 
     def drop(self, number: int) -> None:
         """Let a shape go."""
-        del self.shapes[number]
+        self.shapes.pop(number, None)
+        self.touch()
+
+    def touch(self) -> None:
+        """Note that something has changed."""
         self._is_stale = True
 
     def commit(self) -> None:
@@ -181,7 +194,8 @@ class SharedTree:
 class SharedLayer:
     """As `Layer`, out of a tree that other layers are in too.
 
-    Shapes of two layers that are nearer to each other than the step behind a surface are taken for one.
+    Shapes of two layers that are nearer to each other than the step behind a surface are taken for one. What has the same
+    triangles as a shape of another layer, its twin, is not in the tree: who meets the twin meets it.
 
     Parameters
     ----------
@@ -193,27 +207,27 @@ class SharedLayer:
 
     def __init__(self, pool: SurfacePool, tree: SharedTree):
         self._pool, self._tree = pool, tree
-        self._own: set[int] = set()
-        self._foreign = None
+        self._own: dict[int, int] = {}
+        self._names = None
         self._version = None
 
     def __len__(self) -> int:
         """Count of the shapes that are there."""
         return len(self._own)
 
-    def add(self, shape, number: int, _triangles: int) -> None:
-        """Add a shape. ``number``: its `pointer_id`."""
-        self._own.add(number)
-        self._tree.put(number, shape)
+    def add(self, shape, number: int, _triangles: int, twin: int = 0) -> None:
+        """Add a shape. ``number``: its `pointer_id`; ``twin``: that of the same triangles in another layer, 0: none."""
+        self._own[number] = twin or number
+        self._tree.put(number, shape, bool(twin))
 
     def remove(self, number: int) -> None:
         """Take a shape away."""
-        self._own.remove(number)
+        del self._own[number]
         self._tree.drop(number)
 
     def replace(self, number: int) -> None:
         """Note that a shape itself was changed."""
-        self._tree.put(number, self._tree.shapes[number])
+        self._tree.touch()
 
     def commit(self) -> bool:
         """Bring the tree up to date; never waits for a large one beside others."""
@@ -226,7 +240,7 @@ class SharedLayer:
 
     def ray_intersect_preliminary(self, ray, coherent=False, active=True):
         """Nearest hit, without its surface data."""
-        return nearest(self._tree.scene, self._others(), ray, coherent, mi.Bool(active))
+        return nearest(self._tree.scene, self._find_names(), ray, coherent, mi.Bool(active))
 
     def ray_intersect(self, ray, active=True):
         """Nearest surface."""
@@ -235,15 +249,28 @@ class SharedLayer:
 
     def ray_test(self, ray, active=True):
         """Whether anything stands in the way."""
-        return is_blocked(self._tree.scene, self._others(), ray, mi.Bool(active))
+        return is_blocked(self._tree.scene, self._find_names(), ray, mi.Bool(active))
 
-    def _others(self):
-        """Marks of the shapes of other layers by their numbers, None where there are none."""
+    def _find_names(self):
+        """What tells of hits which shape of this layer they are and which are none, None where all are as the tree says."""
         if self._version != self._tree.version:
-            foreign = self._tree.shapes.keys() - self._own
-            self._foreign = mark(foreign, max(self._tree.shapes)) if foreign else None
+            self._names = None
+            if self._own != {number: number for number in self._tree.shapes}:
+                # By the number of what is met: that of the shape which it is here, 0 for none.
+                names = np.zeros(table_size(max(self._tree.shapes, default=0) + 1), dtype=np.uint32)
+                names[list(self._own.values())] = list(self._own)
+                self._names = upload(mi.UInt32, names)
             self._version = self._tree.version
-        return self._foreign
+        if self._names is None:
+            return None
+
+        def name(hit, active):
+            own = _look_up(mi.UInt32, self._names, hit, active)
+            hit = mi.PreliminaryIntersection3f(hit)
+            hit.shape = dr.select(own > 0, dr.reinterpret_array(mi.ShapePtr, own), hit.shape)
+            return hit, active & hit.is_valid() & (own == 0)
+
+        return name
 
 
 def make_layers(pool: SurfacePool, count: int, shares: bool) -> list[Layer] | list[SharedLayer]:
@@ -254,23 +281,22 @@ def make_layers(pool: SurfacePool, count: int, shares: bool) -> list[Layer] | li
     return [SharedLayer(pool, tree) for _ in range(count)]
 
 
-def mark(numbers, last: int):
-    """Table of what `nearest` passes by, for shapes with numbers up to the ``last`` one."""
-    marks = np.zeros(table_size(last + 1), dtype=bool)
-    marks[list(numbers)] = True
-    return upload(mi.Bool, marks)
+def _look_up(kind, table, hit, active):
+    """Entry of a table by the number of the shape that was met."""
+    number = dr.reinterpret_array(mi.UInt32, hit.shape)
+    return dr.gather(kind, table, number, active & hit.is_valid())
 
 
-def nearest(scene, passed, ray, coherent, active):
-    """Nearest hit of a Mitsuba scene that is none of the ``passed`` shapes (table by number, or None)."""
+def nearest(scene, find, ray, coherent, active):
+    """Nearest hit of a Mitsuba scene.
+
+    Parameters
+    ----------
+    find : callable or None    ``find(hit, active)``: the hit as it counts, and whether rays go on behind it; None: none do.
+    """
     hit = scene.ray_intersect_preliminary(ray, mi.Bool(coherent), active)
-    if passed is None:
+    if find is None:
         return hit
-
-    def is_passed(hit, active):
-        known = active & hit.is_valid()
-        ids = dr.reinterpret_array(mi.UInt32, hit.shape)
-        return known & dr.gather(mi.Bool, passed, ids, known)
 
     def onwards(hit, travelled, looking):
         reach = dr.max(dr.abs(ray(travelled + hit.t))) + 1.0
@@ -279,12 +305,13 @@ def nearest(scene, passed, ray, coherent, active):
         rest.o = ray(travelled)
         rest.maxt = ray.maxt - travelled
         following = scene.ray_intersect_preliminary(rest, mi.Bool(False), looking)
+        following, goes_on = find(following, looking)
         hit = dr.select(looking, following, hit)
-        return hit, travelled, looking & is_passed(following, looking)
+        return hit, travelled, goes_on
 
-    start = mi.Float(0.0)
+    hit, goes_on = find(hit, active)
     hit, travelled, _ = dr.while_loop(
-        state=(hit, start, active & is_passed(hit, active)),
+        state=(hit, mi.Float(0.0), goes_on),
         cond=lambda hit, travelled, looking: looking,
         body=onwards,
         labels=("hit", "travelled", "looking"),
@@ -293,11 +320,11 @@ def nearest(scene, passed, ray, coherent, active):
     return hit
 
 
-def is_blocked(scene, passed, ray, active):
-    """Whether anything of a Mitsuba scene but the ``passed`` shapes stands in the way."""
-    if passed is None:
+def is_blocked(scene, find, ray, active):
+    """Whether anything of a Mitsuba scene stands in the way; parameters as of `nearest`."""
+    if find is None:
         return scene.ray_test(ray, active)
-    return active & nearest(scene, passed, ray, False, active).is_valid()
+    return active & nearest(scene, find, ray, False, active).is_valid()
 
 
 def _scene(shapes):
