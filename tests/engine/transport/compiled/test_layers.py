@@ -18,7 +18,7 @@ SAMPLES = StopRule(samples=64)
 
 
 def items():
-    """A room with a pane, a ball of glass and a screen that light does not meet, before and behind each other."""
+    """A room with a pane, a block of glass, a screen that light does not meet and a panel that the camera sees otherwise."""
     lamp = PointLight(
         "lamp", "lamp", Output(Quantity.LUMINOUS_FLUX, 1000.0), np.array([1.0, 1.5, 1.9]), 0.05
     )
@@ -27,13 +27,14 @@ def items():
     return [
         paint(0.5),
         paint(0.1, "ink"),
+        paint(0.1, "twofold", seen=paint(0.9, "bright")),
         Material("pane", "pane", ThinGlass()),
         Material("glass", "glass", Dielectric(Cauchy(1.5, 0.0))),
         box(2.0, 2.0, 2.0),
         replace(solid, id="ball", vertices=0.3 * solid.vertices + [1.4, 0.5, 0.3]),
         quad("window", (0.2, 1.0, 0.1), (1.5, 0, 0), (0, 0, 1.5), "pane"),
         replace(screen, meets_light=False),
-        quad("panel", (0.1, 1.6, 0.1), (0.9, 0, 0), (0, 0, 0.9), "ink"),
+        quad("panel", (0.1, 1.6, 0.1), (0.9, 0, 0), (0, 0, 0.9), "twofold"),
         lamp,
     ]
 
