@@ -38,8 +38,8 @@ Simulated: the engine's own dispatcher sends workers about in virtual time. What
 by one worker of one thread, on a scheduler of its own: sizes of parcels, times of chunks, how much equal chunks differ,
 merging here, and what carrying an errand costs this process and the scheduler's. The dispatcher's own processor time is that
 of the simulation. Assumed: a line of {rate:g} Gbit/s and {delay:g} ms between the scheduler's machine and the workers,
-either way for itself; workers alike; an answer costs the scheduler what an errand of its size does; kernels are there; no second
-witness.
+either way for itself; workers alike; an answer costs the scheduler what an errand of its size does; kernels are there; no
+second witness.
 
 The four kinds of job are {sensors} sensors, lux maps of the room at {density:g} lumels per metre, a picture of {width} x
 {height} pixels, and {sensors} sensors under {suns} suns and the sky. An errand without work takes {trip:.1f} ms there and

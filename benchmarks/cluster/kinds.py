@@ -38,8 +38,8 @@ class Kind:
     ----------
     name : str
     grain : Grain    How its session cuts it.
-    length : int    Of the measured job, in samples of the first chunks. With `LONG` the ninth and last chunk has twice as many
-        as the others, which tells what a chunk takes beside its samples.
+    length : int    Of the measured job, in samples of the first chunks. With `LONG` the ninth and last chunk has twice as
+        many as the others, which tells what a chunk takes beside its samples.
     build : callable    Gives the items of the scene.
     run : callable    ``run(session, rule)`` has workers do it.
     """

@@ -8,7 +8,7 @@ workers is in the result.
 import heapq
 import random
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from ...engine.cluster.chunks import Chunk
@@ -191,14 +191,18 @@ class SimulatedCrew:
         return seconds
 
 
-def run_chunks(crew: SimulatedCrew, chunks: Iterable[Chunk]) -> float:
+def run_chunks(crew: SimulatedCrew, chunks: list[Chunk]) -> float:
     """Have a crew do a job, and return what it took. [s]"""
     job = Job(
         lambda known: b"" if known == 1 else SCENE, 1, lambda chunk: {"samples": chunk.samples}
     )
-    begin = crew.clock()
-    for answer in Dispatcher(crew, crew.clock).run(job, iter(chunks)):
-        if answer is not None:
+    begin, left = crew.clock(), len(chunks)
+    running = Dispatcher(crew, crew.clock).run(job, iter(chunks))
+    # As sessions do, which end a job as soon as it has its samples.
+    while left:
+        if next(running) is not None:
             crew.take(crew.costs.take)
+            left -= 1
+    running.close()
     crew.spend(crew.costs.end)
     return crew.clock() - begin
