@@ -37,9 +37,9 @@ SCALING = """## Up to a thousand workers
 Simulated: the engine's own dispatcher sends workers about in virtual time. What it is fed with was measured on this machine
 by one worker of one thread, on a scheduler of its own: sizes of parcels, times of chunks, how much equal chunks differ,
 merging here, and what carrying an errand costs this process and the scheduler's. The dispatcher's own processor time is that
-of the simulation. Assumed: a line of {rate:g} Gbit/s and {delay:g} ms between the scheduler's machine and the workers, either
-way for itself; workers alike; an answer costs the scheduler what an errand of its size does; kernels are there; no second
-witness; answers that wait here fit into memory.
+of the simulation. Assumed: a line of {rate:g} Gbit/s and {delay:g} ms between the scheduler's machine and the workers,
+either way for itself; workers alike; an answer costs the scheduler what an errand of its size does; kernels are there; no
+second witness; answers that wait here fit into memory.
 
 The jobs are {sensors} sensors, lux maps of the room at {density:g} lumels per metre, a picture of {width} x {height} pixels,
 and {sensors} sensors under {suns} suns and the sky. An errand without work takes {trip:.1f} ms there and back, of which this
