@@ -41,7 +41,8 @@ def measure_scaling(say: Callable[[str], None]) -> dict:
 
     Returns
     -------
-    dict    ``others`` (share of the processors that others had while it was measured), ``post``, ``costs`` by kind, ``checks`` of the simulation, ``curves``, ``levers``; plain data.
+    dict    ``others`` (share of the processors that others had while it was measured), ``post``, ``costs`` by kind,
+        ``checks`` of the simulation, ``curves``, ``levers``; plain data.
     """
     kinds = make_kinds()
     costs, checks, load = {}, [], OtherLoad()
