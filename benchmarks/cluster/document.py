@@ -39,12 +39,12 @@ by one worker of one thread, on a scheduler of its own: sizes of parcels, times 
 merging here, and what carrying an errand costs this process and the scheduler's. The dispatcher's own processor time is that
 of the simulation. Assumed: a line of {rate:g} Gbit/s and {delay:g} ms between the scheduler's machine and the workers,
 either way for itself; workers alike; an answer costs the scheduler what an errand of its size does; kernels are there; no
-second witness.
+second witness; answers that wait here fit into memory.
 
-The four kinds of job are {sensors} sensors, lux maps of the room at {density:g} lumels per metre, a picture of {width} x
-{height} pixels, and {sensors} sensors under {suns} suns and the sky. An errand without work takes {trip:.1f} ms there and
-back, of which this process is busy for {here:.2f} ms and the scheduler for {scheduler:.2f} ms; a megabyte more takes them
-{here_byte:.2f} ms and {scheduler_byte:.2f} ms.
+The jobs are {sensors} sensors, lux maps of the room at {density:g} lumels per metre, a picture of {width} x {height} pixels,
+and {sensors} sensors under {suns} suns and the sky. An errand without work takes {trip:.1f} ms there and back, of which this
+process is busy for {here:.2f} ms and the scheduler for {scheduler:.2f} ms; a megabyte more takes them {here_byte:.2f} ms and
+{scheduler_byte:.2f} ms.
 
 """
 
@@ -67,9 +67,9 @@ CURVES = """
 LEVERS = """
 ### What moves that
 
-One thing changed at a time, efficiency with {some}. *Late*: {share:.0%} of all chunks take longer by a factor of at least
-{least:g} by Pareto's distribution with the exponent {exponent:g}, beside the measured spread. Workers that are faster do the
-same job, which is then shorter. *Held*: answers that wait to be merged, at most, and their size.
+One thing changed at a time: efficiency with {some}. *Late*: {share:.0%} of all chunks take longer by
+a factor of at least {least:g} by Pareto's distribution with the exponent {exponent:g}, beside the measured spread. Workers
+that are faster do the same job, which is then shorter. *Held*: answers that wait to be merged, at most, and their size.
 
 """
 

@@ -16,9 +16,6 @@ from .harm import Harm
 from .kinds import SEED
 from .room import build_room, place_sensors
 
-SPAN = 10.0
-"""Time within which harm begins where nothing says what a job takes. [s]"""
-
 
 def measure(cluster: LocalCluster, samples: int) -> tuple[str, float]:
     """Fingerprint of a measurement by the workers of a cluster, and what it took. [s]"""
@@ -50,7 +47,7 @@ def measure_harm(runs: int, samples: int, say) -> dict:
         measure(cluster, samples)
         reference, span = measure(cluster, samples)
         for number in range(runs):
-            with Harm(cluster, SEED + number, min(span, SPAN)) as harm:
+            with Harm(cluster, SEED + number, span) as harm:
                 bits, seconds = measure(cluster, samples)
             row = {"harm": harm.done, "seconds": seconds, "is_equal": bits == reference}
             rows.append(row)

@@ -117,7 +117,7 @@ def check_bars(result: dict) -> list[Bar]:
         Bar(
             "times of one and two workers, simulated, off by",
             f"at most {LARGEST_ERROR:.0%}",
-            "-" if worst is None else f"{worst:.1%}",
+            "-" if worst is None else f"{worst:.1%}{_doubt(parts['scaling']['others'])}",
             None if worst is None else worst <= LARGEST_ERROR,
         ),
     ]

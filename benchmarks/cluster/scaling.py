@@ -7,6 +7,7 @@ from dataclasses import asdict, replace
 from ...engine.accuracy.stopping import StopRule
 from ...engine.cluster.chunks import Chunk, Grain, cut
 from ...engine.cluster.hosts import LocalCluster
+from ..common.machine import OtherLoad
 from .costs import JobCosts, measure_costs, measure_post, run_job
 from .kinds import SEED, make_kinds
 from .simulation import Line, SimulatedCrew, Tail, run_chunks
@@ -40,10 +41,11 @@ def measure_scaling(say: Callable[[str], None]) -> dict:
 
     Returns
     -------
-    dict    ``post``, ``costs`` by kind, ``checks`` of the simulation, ``curves``, ``levers``; plain data.
+    dict    ``others`` (share of the processors that others had while it was measured), ``post``, ``costs`` by kind,
+        ``checks`` of the simulation, ``curves``, ``levers``; plain data.
     """
     kinds = make_kinds()
-    costs, checks = {}, []
+    costs, checks, load = {}, [], OtherLoad()
     with LocalCluster(1, threads=1) as cluster:
         post = measure_post(cluster)
         say(f"an errand without work takes {1e3 * post.round_trip:.1f} ms")
@@ -70,6 +72,8 @@ def measure_scaling(say: Callable[[str], None]) -> dict:
                     }
                 )
             say(f"{kind.name}: two workers, {two:.1f} s")
+    # Processes that were waited for count as ours.
+    others = load.share()
     curves = []
     for own, hours, workers in itertools.product(costs.values(), HOURS, COUNTS):
         curves.append({"hours": hours} | simulate(own, post, workers, samples_of(own, hours), LINE))
@@ -82,6 +86,7 @@ def measure_scaling(say: Callable[[str], None]) -> dict:
     ]
     say("what matters simulated")
     return {
+        "others": others,
         "post": asdict(post),
         "costs": {name: asdict(own) for name, own in costs.items()},
         "checks": checks,
