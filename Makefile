@@ -7,7 +7,7 @@ OUT ?= out
 export VENV
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo scenes luminaires materials test test-slow test-all validate mutations lint extension denoiser zips-check weaknesses smoke enabling viewer page-pictures viewport surroundings panels docs-screenshots
+.PHONY: help setup demo scenes luminaires materials test test-slow test-all validate mutations lint extension denoiser zips-check weaknesses smoke farm enabling viewer page-pictures viewport surroundings panels docs-screenshots
 
 help: ## this list
 	@echo "make TARGET, where TARGET is one of:"
@@ -69,6 +69,9 @@ weaknesses: setup ## look the pinned versions up among known weaknesses: folders
 
 smoke: setup ## install the zip into a real Blender, render and bake there (root; 3 GB the first time; BLENDER=5.2 for another)
 	@LUMENRAY_BLENDER="$(or $(BLENDER),4.3)" tests/real_blender/run_smoke.sh
+
+farm: setup ## do the tasks of Flamenco's jobs by hand in a real Blender (root, Node.js)
+	@tests/real_blender/run_farm.sh
 
 enabling: setup ## tell what enabling the extension takes in a real Blender (root)
 	@tests/real_blender/run_enabling.sh

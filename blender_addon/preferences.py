@@ -13,7 +13,7 @@ DEVICES = [
     (
         "AUTO",
         "Automatic",
-        "A graphics card that computes rightly when tried, else the processor",
+        "The processor; where it cannot be used a graphics card that computes rightly when tried",
         0,
     ),
     ("CUDA", "NVIDIA GPU (CUDA)", "Refused where there is none", 1),
@@ -47,7 +47,7 @@ class LumenrayPreferences(bpy.types.AddonPreferences):
         name="Device",
         description=(
             "What the engine computes on. A change ends the engine; the next action starts it on the new device. "
-            "Default Automatic: the fastest that computes rightly"
+            "Default Automatic: what all jobs were seen to be right on"
         ),
         items=DEVICES,
         default="AUTO",

@@ -354,22 +354,36 @@ def _add_cluster(kinds) -> None:
         kinds,
         "cluster",
         _run_cluster,
-        "the same bits whatever becomes of workers, and how well two work together",
+        "the same bits whatever becomes of workers, how well several work together, and a thousand would",
         "of a part",
     )
     cluster.add_argument(
         "--runs", type=whole(0), default=50, metavar="N", help="with harm (default: 50)"
     )
     cluster.add_argument(
-        "--pairs",
-        type=whole(0),
+        "--workers",
+        type=numbers,
+        default=(1, 2),
+        metavar="N,M",
+        help="numbers of workers whose efficiency is measured, a processor each (default: 1,2)",
+    )
+    cluster.add_argument(
+        "--repeats",
+        type=whole(),
         default=3,
         metavar="N",
-        help="by one worker and by two (default: 3)",
+        help="runs by each number of workers (default: 3)",
     )
     cluster.add_argument(
         "--samples", type=whole(), default=1 << 20, metavar="N", help="of a sensor (default: 2^20)"
     )
+    cluster.add_argument(
+        "--elsewhere",
+        type=Path,
+        metavar="OTHER.json",
+        help="results of this benchmark on another machine, whose efficiency is told too",
+    )
+    _add_parts(cluster, "harm, efficiency, scaling")
 
 
 def _add_parts(kind, parts: str) -> None:
@@ -622,11 +636,21 @@ def _run_cluster(options, say) -> int:
     from ..benchmarks.cluster import run as cluster
     from ..benchmarks.common.bars import tell_bars
 
-    result = cluster.run(options.runs, options.pairs, options.samples, say)
+    result = cluster.run(
+        options.parts,
+        options.runs,
+        options.workers,
+        options.repeats,
+        options.samples,
+        say,
+        _read_earlier(options, cluster),
+        options.elsewhere and cluster.read_results(options.elsewhere),
+    )
     bars = cluster.check_bars(result)
     tell(tell_bars(bars))
-    is_part = options.runs < cluster.RUNS or options.samples != cluster.SAMPLES
-    _write(cluster, result, options, is_part or options.pairs < cluster.PAIRS)
+    is_small = options.runs < cluster.RUNS or options.samples < cluster.SAMPLES
+    is_part = is_small or not set(cluster.PARTS) <= result["parts"].keys()
+    _write(cluster, result, options, is_part)
     return int(any(bar.passed is False for bar in bars))
 
 

@@ -26,6 +26,9 @@ FLUX, REFLECTANCE, LUMINANCE = 1000.0, 0.5, 100.0
 LIMIT = 4.0
 """Most standard errors by which an answer may be off: a right one is beyond it in 1 of 16 000 trials."""
 
+LARGEST_ERROR = 0.05
+"""Most that an answer's standard error may be of it: these jobs are small, but none is that small."""
+
 
 @dataclass(frozen=True)
 class Answer:
@@ -40,7 +43,9 @@ class Answer:
 
     @property
     def is_right(self) -> bool:
-        """Whether the answer is within its error of the closed form."""
+        """Whether the answer is within its error of the closed form, and the error one of a device that does its work."""
+        if not self.error <= LARGEST_ERROR * self.expected:
+            return False
         # Single precision adds some parts in a hundred thousand that no sample tells of.
         return abs(self.value - self.expected) <= LIMIT * self.error + 1e-4 * self.expected
 

@@ -18,12 +18,21 @@ SURE = 4.0
 by chance."""
 
 
+AGAIN = 16
+"""Times as many samples by which a simplification is tried again that looks off: where rare paths carry much light, errors
+that are stated from few samples are too small."""
+
 ROUNDING = 1e-5
 """Relative difference that single precision makes. [-]"""
 
 
 SEEN = 3.0
 """Standard errors from which on a difference says how large an error is."""
+
+
+def is_exceeded(trial) -> bool:
+    """Whether a simplification (`random_scenes.Trial`) is surely over its bound at some sensor."""
+    return bool((trial.error > trial.bound + SURE * trial.noise + ROUNDING).any())
 
 
 def measure(count: int, say, rows: list[dict] = (), begin: int = 0, save=None) -> list[dict]:
@@ -39,7 +48,11 @@ def measure(count: int, say, rows: list[dict] = (), begin: int = 0, save=None) -
     rows = list(rows)
     for number in range(begin, count):
         scene = make_scene(number)
-        for trial in find_errors(scene, SAMPLES, number):
+        for first in find_errors(scene, SAMPLES, number):
+            trial = first
+            if is_exceeded(first):
+                say(f"scene {number}: {first.name} looks off, tried again by more samples")
+                [trial] = find_errors(scene, AGAIN * SAMPLES, number, (first.name,))
             rows.append(
                 {
                     "scene": number,
@@ -47,9 +60,7 @@ def measure(count: int, say, rows: list[dict] = (), begin: int = 0, save=None) -
                     "bound": trial.bound,
                     "errors": trial.error.tolist(),
                     "noises": trial.noise.tolist(),
-                    "is_exceeded": bool(
-                        (trial.error > trial.bound + SURE * trial.noise + ROUNDING).any()
-                    ),
+                    "is_exceeded": is_exceeded(trial),
                 }
             )
         if (number + 1) % 10 == 0:
@@ -79,7 +90,9 @@ def tell(rows: list[dict], count: int) -> str:
     head = "| simplification | scenes | over its bound | bound over error, median | difference over noise, rms |"
     return (
         f"## Bounds\n\n{count} random rooms with lamps, things and neighbours, each simplification alone against the full "
-        "model at four sensors. A bound counts as passed where the difference is over it by more than four standard errors. "
+        "model at four sensors. A bound counts as passed where the difference is over it by more than four standard errors, "
+        f"twice: the second time by {AGAIN} times as many samples, as errors stated from few are too small where rare paths "
+        "carry much light. "
         "*Bound over error*: of differences of more than three standard errors. *Difference over noise*: 1 where nothing "
         f"but noise is left, as of what is exact.\n\n{make_table(head, cells)}\n"
     )

@@ -117,8 +117,13 @@ SELDOM = {wavelengths.NAME: 4}
 """In one of how many scenes a decision is tried that would be in nearly all of them."""
 
 
-def find_errors(scene: RandomScene, samples: int, seed: int = 0) -> list[Trial]:
-    """Force each simplification alone that the scene allows, and compare with the full model; by independent samples."""
+def find_errors(
+    scene: RandomScene, samples: int, seed: int = 0, names: tuple[str, ...] = TRIED
+) -> list[Trial]:
+    """Force each of some simplifications alone that the scene allows, and compare with the full model.
+
+    Both by samples of their own.
+    """
     asked = Asked(None, False, places=boxes_of(scene.places))
     rule, whole = StopRule(samples=samples), dict.fromkeys(DECISIONS, Switch.OFF)
 
@@ -130,7 +135,7 @@ def find_errors(scene: RandomScene, samples: int, seed: int = 0) -> list[Trial]:
         return session, {decision.name: decision for decision in plan.decisions}
 
     full_session, full_plan = begin(whole)
-    tried = [name for name in TRIED if seed % SELDOM.get(name, 1) == 0]
+    tried = [name for name in names if seed % SELDOM.get(name, 1) == 0]
     forced = [(name, *begin(whole | {name: Switch.FORCE})) for name in tried]
     forced = [each for each in forced if each[2][each[0]].choice != full_plan[each[0]].choice]
     if not forced:
@@ -144,7 +149,8 @@ def find_errors(scene: RandomScene, samples: int, seed: int = 0) -> list[Trial]:
         # What the simplified one may be off by is no noise.
         own = made.standard_error**2 - (bound * made.illuminance) ** 2
         noise = np.sqrt(np.maximum(own, 0.0) + full.standard_error**2) / light
-        trials.append(Trial(name, bound, np.abs(made.illuminance / light - 1.0), noise))
+        error = np.abs(made.illuminance - full.illuminance) / light
+        trials.append(Trial(name, bound, error, noise))
     return trials
 
 

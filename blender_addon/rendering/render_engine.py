@@ -307,14 +307,14 @@ class LumenrayRenderEngine(bpy.types.RenderEngine):
         """Write the conversion report and a missed goal, which the picture file itself cannot hold."""
         path = Path(scene.render.frame_path(frame=scene.frame_current)).with_suffix("")
         to_disk = bpy.app.background or self.is_animation
-        if to_disk and (report.rows or shortfall):
-            from ...engine.formats.report import compose, write_json
+        if to_disk and (keeps_reports or report.rows or shortfall):
+            from ...engine.formats.report import compose, quantity_of_picture, write_json
 
             content = compose(
                 bpy.data.filepath,
                 picture.provenance,
                 picture.provenance.seconds,
-                [],
+                [quantity_of_picture(picture)],
                 report.to_dicts(),
                 shortfall,
             )
@@ -353,6 +353,9 @@ def _leave(view) -> None:
 
 
 _final: SceneFeed | None = None
+
+keeps_reports = False
+"""Whether every picture on disk has its report beside it, also where nothing is missing of it: farms make tables of them."""
 
 
 def _final_feed() -> SceneFeed:

@@ -171,8 +171,10 @@ class _Work:
             if able and worker not in able:
                 continue
             chunk = self._next_chunk(workers)
-            if chunk is not None:
-                self._send(worker, chunk)
+            if chunk is None:
+                # Nor is there anything for others.
+                return
+            self._send(worker, chunk)
 
     def _next_chunk(self, workers: dict[str, float]) -> Chunk | None:
         """What a free worker does next: what nobody is at, else what others take too long for."""

@@ -128,7 +128,7 @@ class ClusterSession:
         options = {"transport": transport, "kind": kind, "reflections": reflections}
         how = {"colour": colour, "method": method, "witness": False, "spectrum": spectrum}
         job, sums = _Following(rule, "illuminance", progress), MeasurementSum()
-        grain = _grain(len(places[0]), FEWEST_OF_SENSOR, SENSOR_STEP)
+        grain = grain_of(len(places[0]), FEWEST_OF_SENSOR, SENSOR_STEP)
 
         def ask(chunk: Chunk) -> tuple[tuple, dict]:
             return (*places, StopRule(samples=chunk.samples)), {"seed": chunk.seed} | options | how
@@ -167,7 +167,7 @@ class ClusterSession:
         """Render a view, as `Session.render`; its pixels do not share light, and errors as of `measure`."""
         rule = settings.rule
         job, sums = _Following(rule, "picture", progress), PictureSum()
-        grain = _grain(camera.width * camera.height, FEWEST_OF_PIXEL, PIXEL_STEP)
+        grain = grain_of(camera.width * camera.height, FEWEST_OF_PIXEL, PIXEL_STEP)
 
         def ask(chunk: Chunk) -> tuple[tuple, dict]:
             own = StopRule(samples=chunk.samples)
@@ -197,7 +197,7 @@ class ClusterSession:
             np.asarray(each, dtype=np.float64).reshape(-1, 3) for each in (positions, normals)
         )
         job, sums = _Following(order.rule, "daylight", progress), CoefficientSum()
-        grain = _grain(len(places[0]), FEWEST_OF_SKY, SKY_STEP)
+        grain = grain_of(len(places[0]), FEWEST_OF_SKY, SKY_STEP)
 
         def ask(chunk: Chunk) -> tuple[tuple, dict]:
             own = replace(order, rule=StopRule(samples=chunk.samples), seed=chunk.seed)
@@ -391,8 +391,8 @@ def _has_more(rule: StopRule) -> bool:
     return any(each is not None for each in (rule.samples, rule.error, rule.seconds))
 
 
-def _grain(values: int, fewest: int, step: int) -> Grain:
-    """How finely a job for so many values is cut."""
+def grain_of(values: int, fewest: int, step: int) -> Grain:
+    """How finely a job for so many values is cut; ``fewest``, ``step``: samples of a value, as of `Grain`."""
 
     def samples(paths: int, least: int) -> int:
         each = 1 << max((paths // max(values, 1)).bit_length() - 1, 0)

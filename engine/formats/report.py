@@ -40,6 +40,18 @@ def quantity_of_map(made) -> dict:
     }
 
 
+def quantity_of_picture(made) -> dict:
+    """Row of a `views.Picture`; the error is that of its pixels, as of `Picture.relative_error`."""
+    return {
+        "name": "picture",
+        "quantity": "luminance",
+        "unit": "cd/m2",
+        "mean": float(made.tristimulus[..., 1].mean()),
+        "relative_standard_error": known(made.relative_error),
+        "samples": made.provenance.samples,
+    }
+
+
 def _range(extreme) -> list[float | None]:
     return [extreme.low, known(extreme.high)]
 

@@ -83,7 +83,10 @@ def _candidates() -> tuple[list[Device], BackendStatus | None]:
         )
     wanted = [DEVICES[key]] if key else list(DEVICES.values())
     present = [device for device in wanted if _is_present(device)]
-    return present, None if present else BackendStatus(False, *absence(wanted[-1]))
+    if not present:
+        return [], BackendStatus(False, *absence(wanted[-1]))
+    trusted = [device for device in present if device.is_trusted]
+    return trusted or present, None
 
 
 def _missing_mitsuba() -> BackendStatus | None:
@@ -155,12 +158,12 @@ def _remedy() -> str:
 def start(spectral: bool) -> str:
     """Activate the Mitsuba variant for the kind of transport and return its name.
 
-    The user's choice of device counts (`devices.CHOICE`); without one, the first of CUDA, Metal and the CPU that
-    gives right answers is taken, once for the whole process.
+    The user's choice of device counts (`devices.CHOICE`); without one, the first trusted one that gives right answers
+    is taken, where there is none another one, once for the whole process.
 
     Raises
     ------
-    BackendError    Mitsuba or the device is missing; the message holds the remedy.
+    BackendError    Mitsuba or the device is missing, or the device computes wrongly; the message holds the remedy.
     """
     variant = _device(chosen_device()).variant(spectral)
     mitsuba = sys.modules["mitsuba"]
@@ -181,9 +184,14 @@ def _device(choice: str) -> Device:
     devices, trouble = _candidates()
     if trouble is not None:
         raise BackendError(f"{trouble.cause}; {trouble.remedy}")
-    *better, last = devices
-    # The last one is taken untried, for there is nothing to take in its place.
-    return next((device for device in better if not _fault(device)), last)
+    for device in devices:
+        # The processor is what everything is tested on.
+        if device.key == "cpu":
+            return device
+        fault = _fault(device)
+        if not fault:
+            return device
+    raise BackendError(f"{device.label} is not used: {fault}; {_remedy()}")
 
 
 def _fault(device: Device) -> str:

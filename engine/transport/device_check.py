@@ -14,6 +14,9 @@ SIDE = 1 << 9
 RADIUS = 0.5
 """Of the cone inside the square of rays. [m]"""
 
+SIDES = 512
+"""Of the cone."""
+
 REPEATS = 8
 """How often the rays are shot for the speed."""
 
@@ -34,7 +37,7 @@ def check_variant(variant: str) -> Check:
     start = time.perf_counter()
     if mi.variant() != variant:
         mi.set_variant(variant)
-    fault = _check_integers() or _check_loop() or ""
+    fault = _check_integers() or _check_loop() or _check_layers(variant)
     hit, speed = _shoot()
     # The grid misses the disc's area by less than its own rim does.
     expected, tolerance = math.pi * RADIUS**2, 4.0 * RADIUS / SIDE
@@ -90,18 +93,43 @@ def _check_loop() -> str:
     return ""
 
 
+def _check_layers(variant: str) -> str:
+    """Trace two layers of a scene in one kernel: a cone of one, and a cone below it, smaller by half, of the other."""
+    import drjit as dr
+    import mitsuba as mi
+
+    from ..arrays import pointer_id
+    from .compiled.layers import make_layers
+    from .devices import of_variant
+
+    layers = make_layers(None, 2, shares=not of_variant(variant).traces_many)
+    for number, layer in enumerate(layers):
+        cone = _cone(0.5**number, -float(number))
+        layer.add(cone, pointer_id(cone), SIDES)
+    for layer in layers:
+        layer.commit()
+    ray = _parallel_rays(dr.opaque(mi.Float, 2.0))
+    seen = [
+        dr.mean(dr.select(layer.ray_test(ray), mi.Float(1.0), mi.Float(0.0))) for layer in layers
+    ]
+    # Both at once, as paths trace them.
+    dr.eval(seen)
+    for number, mean in enumerate(seen):
+        expected, tolerance = math.pi * (RADIUS * 0.5**number) ** 2, 4.0 * RADIUS / SIDE
+        if not abs(float(mean[0]) - expected) < tolerance:
+            return f"rays through two layers met {float(mean[0]):.5f} of a square of which a cone covers {expected:.5f}"
+    return ""
+
+
 def _shoot() -> tuple[float, float]:
     """Return the part of parallel rays over a square of 1 m that meet a cone from above, and rays a second."""
     import drjit as dr
     import mitsuba as mi
 
     scene = mi.load_dict({"type": "scene", "cone": _cone()})
-    lane = dr.arange(mi.UInt32, SIDE * SIDE)
-    x = (mi.Float(lane % SIDE) + 0.5) / SIDE - 0.5
-    y = (mi.Float(lane // SIDE) + 0.5) / SIDE - 0.5
 
     def shoot(height):
-        ray = mi.Ray3f(mi.Point3f(x, y, height), mi.Vector3f(0.0, 0.0, -1.0))
+        ray = _parallel_rays(height)
         return dr.mean(dr.select(scene.ray_test(ray), mi.Float(1.0), mi.Float(0.0)))
 
     hit = float(shoot(dr.opaque(mi.Float, 2.0))[0])
@@ -112,14 +140,27 @@ def _shoot() -> tuple[float, float]:
     return hit, REPEATS * SIDE * SIDE / (time.perf_counter() - start)
 
 
-def _cone(sides: int = 512):
-    """Return a cone of triangles."""
+def _parallel_rays(height):
+    """Return a grid of rays that go down from a height over a square of 1 m."""
+    import drjit as dr
+    import mitsuba as mi
+
+    lane = dr.arange(mi.UInt32, SIDE * SIDE)
+    x = (mi.Float(lane % SIDE) + 0.5) / SIDE - 0.5
+    y = (mi.Float(lane // SIDE) + 0.5) / SIDE - 0.5
+    return mi.Ray3f(mi.Point3f(x, y, height), mi.Vector3f(0.0, 0.0, -1.0))
+
+
+def _cone(size: float = 1.0, height: float = 0.0):
+    """Return a cone of triangles, so many times as wide, at a height. [m]"""
     import mitsuba as mi
     import numpy as np
 
+    sides = SIDES
     angle = np.linspace(0.0, 2.0 * math.pi, sides, endpoint=False)
     rim = np.stack([RADIUS * np.cos(angle), RADIUS * np.sin(angle), np.zeros(sides)], axis=1)
-    points = np.concatenate([[[0.0, 0.0, RADIUS]], rim]).astype(np.float32)
+    points = size * np.concatenate([[[0.0, 0.0, RADIUS]], rim]) + [0.0, 0.0, height]
+    points = points.astype(np.float32)
     first = np.arange(sides)
     faces = np.stack([np.zeros(sides), first + 1, (first + 1) % sides + 1], axis=1)
     mesh = mi.Mesh("cone", len(points), sides)

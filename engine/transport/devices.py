@@ -11,17 +11,23 @@ from pathlib import Path
 from .. import llvm
 
 CHOICE = "LUMENRAY_DEVICE"
-"""Environment variable with the user's choice: a key of `DEVICES`, or nothing for the first one that works."""
+"""Environment variable with the user's choice: a key of `DEVICES`, or nothing for the first trusted one that works."""
 
 
 @dataclass(frozen=True)
 class Device:
-    """A kind of device. ``key`` is the user's word for it, ``prefix`` begins its Mitsuba variants."""
+    """A kind of device.
+
+    ``key`` is the user's word for it, ``prefix`` begins its Mitsuba variants. ``traces_many``: whether a kernel can trace
+    several Mitsuba scenes; ``is_trusted``: whether all jobs were seen to be right there; others are taken when asked for.
+    """
 
     key: str
     label: str
     prefix: str
     backend: str
+    traces_many: bool = False
+    is_trusted: bool = False
 
     def is_present(self) -> bool:
         """Tell whether Dr.Jit can use it here and Mitsuba has its variants."""
@@ -46,7 +52,7 @@ DEVICES = {
     for device in (
         Device("cuda", "NVIDIA GPU (CUDA)", "cuda_ad", "CUDA"),
         Device("metal", "Apple GPU (Metal)", "metal_ad", "Metal"),
-        Device("cpu", "CPU (LLVM)", "llvm_ad", "LLVM"),
+        Device("cpu", "CPU (LLVM)", "llvm_ad", "LLVM", traces_many=True, is_trusted=True),
     )
 }
 """All kinds, by the user's word, the preferred ones first."""

@@ -166,3 +166,27 @@ def test_a_run_that_was_broken_off_goes_on_where_it_was(monkeypatch):
     result = run.run(2, ["a"], 12, saved[-1])
     assert (tried[12:], result["count"], len(result["bounds"])) == ([10, 11], 12, 12)
     assert (result["bounds_exceeded"], result["speedup"]) == (0, pytest.approx(2.0))
+
+
+@pytest.mark.parametrize(("again", "exceeded"), [(0.01, 0), (0.2, 1)])
+def test_what_looks_off_is_tried_again_by_more_samples(monkeypatch, again, exceeded):
+    from lumenray.benchmarks.requirements import bounds
+    from lumenray.benchmarks.requirements.random_scenes import Trial
+
+    asked = []
+
+    def find(scene, samples, number, names=None):
+        asked.append((samples, names))
+        off = 0.2 if names is None else again
+        return [Trial("unseen", 0.0, np.array([off]), np.array([0.01]))]
+
+    monkeypatch.setattr(bounds, "find_errors", find)
+    rows = bounds.measure(1, lambda line: None)
+    assert asked == [(bounds.SAMPLES, None), (bounds.AGAIN * bounds.SAMPLES, ("unseen",))]
+    assert sum(row["is_exceeded"] for row in rows) == exceeded
+
+
+def test_places_without_light_have_no_error():
+    """The 28th room: its spot is in a box."""
+    trials = find_errors(make_scene(28), 1 << 8, 28, ("unseen",))
+    assert all((trial.error == 0.0).all() for trial in trials)

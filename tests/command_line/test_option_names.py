@@ -15,14 +15,16 @@ PANELS = (
     "light_mix",
 )  # fmt: skip
 
+CLUSTER = ("cluster", "tls-ca", "tls-cert", "tls-key")
+
 OWN = {
     "render": {
         "file", "output", "force", "help", "size", "accept-missing", "mix", "false-colour", "scale-to", "log-scale", "model",
-        "tone", "values",
+        "tone", "values", *CLUSTER,
     },
     "bake": {
         "file", "output", "force", "help", "objects", "accept-missing", "witness", "resume", "save", "require",
-        "requirements", "maintenance", "modified", "model", "arrays",
+        "requirements", "maintenance", "modified", "model", "arrays", *CLUSTER,
     },
 }  # fmt: skip
 """Options that no panel has."""

@@ -24,13 +24,14 @@ from ...scene.material import Holdout
 from ...scene.scene import Scene
 from ...sky import plugin as sky_plugin
 from ...sky.picture import describe_faults
+from ..devices import of_variant
 from .bounds import find_bounds, frame_of
 from .changes import Changes, Outgrown, Stamps
 from .compiled_light import CompiledLight, Shared, change_light, compile_light
 from .enclosures import find_enclosed
 from .grain_ways import find_coordinates, find_ways
 from .known_mirrors import KnownMirrors, is_hard_to_meet
-from .layers import Layer
+from .layers import make_layers
 from .lights import LightTable, Source
 from .material_palette import MaterialPalette
 from .mean_light import find_mean_light
@@ -79,9 +80,8 @@ class CompiledScene:
         self.mean_light = np.ones(len(GRID)) / len(GRID)
         self.light_spectra: list[np.ndarray] = []
         self._pool = SurfacePool()
-        self.solid = Layer(self._pool)
-        self._transparent = Layer(self._pool)
-        self._shown = Layer(self._pool)
+        shares = not of_variant(mi.variant()).traces_many
+        self.solid, self._transparent, self._shown = make_layers(self._pool, 3, shares)
         # What light bodies are made of for others' light: nothing.
         self._nothing = mi.load_dict({"type": "null"})
         self.hidden = self.holdouts = self.unlit = None
@@ -484,6 +484,11 @@ class CompiledScene:
     def _note(self, scene: Scene) -> None:
         """Say what is approximated."""
         self.notes = self._material_palette.notes()
+        device = of_variant(mi.variant())
+        if not device.is_trusted:
+            self.notes.append(
+                f"computed on {device.label}, where not all jobs have been seen to be right: compare with the processor"
+            )
         self.notes += find_enclosed(self)
         self.notes += _tell_few_rays(scene)
         for world in worlds(scene):

@@ -140,8 +140,13 @@ class ObjectSet:
             if is_wanted and self._material_palette.item(seen.id) is None:
                 self._material_palette.put(seen)
         body = make_body(item, geometry, mesh, self._origin, self._material_palette, self._pool)
+        lit: dict[int, int] = {}
         for part in body.parts:
-            self._layer_of(part).add(part.shape, part.number, part.triangles)
+            # What the camera sees in place of what light meets has the same triangles.
+            twin = 0 if part.meets_light else lit.get(part.slot, 0)
+            self._layer_of(part).add(part.shape, part.number, part.triangles, twin)
+            if part.meets_light:
+                lit[part.slot] = part.number
         self.bodies[key] = body
         changes.built += 1
 

@@ -96,7 +96,7 @@ def test_a_trial_tells_what_is_absent():
 def test_a_trial_tells_answers(kind, monkeypatch):
     """The jobs themselves compile dozens of kernels; what their process says of them needs none."""
     if kind == "stated":
-        rows = [astuple(device_trial.Answer(job, 1.0, 1.0, 0.1, "lx", 2.0)) for job in JOBS]
+        rows = [astuple(device_trial.Answer(job, 1.0, 1.0, 0.01, "lx", 2.0)) for job in JOBS]
         stated = f"(device_trial.Answer(*row) for row in {rows})"
         script = device_trials.SCRIPT.replace("device_trial.try_jobs({kind!r})", stated)
         monkeypatch.setattr(device_trials, "SCRIPT", script)

@@ -286,7 +286,15 @@ def test_a_bake_rates_the_observers_that_stand_in_its_file(monkeypatch, tmp_path
         ),
     )
     options = SimpleNamespace(
-        accept_missing=False, seed=3, transport=None, output=tmp_path, file=tmp_path / "a.blend"
+        accept_missing=False,
+        seed=3,
+        transport=None,
+        output=tmp_path,
+        file=tmp_path / "a.blend",
+        cluster=None,
+        tls_ca=None,
+        tls_cert=None,
+        tls_key=None,
     )
     add_lamp("Lamp").data.shadow_soft_size = 0.1
     depsgraph = bpy.context.evaluated_depsgraph_get()

@@ -32,7 +32,9 @@ def _fresh(monkeypatch):
 @pytest.fixture
 def card(monkeypatch):
     """Put a graphics card into this machine: the processor's own variants under another name."""
-    made = replace(devices.DEVICES["cuda"], label="A card", prefix="llvm_ad", backend="LLVM")
+    made = replace(
+        devices.DEVICES["cuda"], label="A card", prefix="llvm_ad", backend="LLVM", is_trusted=True
+    )
     monkeypatch.setitem(devices.DEVICES, "cuda", made)
     monkeypatch.setitem(devices._DESCRIPTIONS, "cuda", lambda: "A card, driver 1")
     return made
@@ -68,6 +70,42 @@ def test_a_card_that_computes_wrongly_is_not_taken_and_told(card, monkeypatch, c
     assert told.found[0] == "A card, driver 1: sums of integers are wrong"
     assert backend._device("").key == "cpu"
     assert "sums of integers are wrong" in caplog.text
+
+
+def test_a_card_that_is_not_trusted_is_taken_only_when_chosen_and_results_say_so(card, monkeypatch):
+    made = replace(card, is_trusted=False)
+    monkeypatch.setitem(devices.DEVICES, "cuda", made)
+    assert backend.status().device == "cpu"
+    monkeypatch.setenv(devices.CHOICE, "cuda")
+    assert backend.status().device == "cuda"
+    assert backend._device("cuda") is made
+    backend.start(spectral=False)
+    session = session_of(paint(0.5), quad("floor", (0, 0, 0), (1, 0, 0), (0, 1, 0), "paint"))
+    made = session.measure([[0.0, 0.0, 1.0]], [[0.0, 0.0, 1.0]], StopRule(samples=64), 1)
+    assert any("computed on A card" in note for note in made.provenance.notes)
+
+
+def test_a_card_that_was_chosen_and_computes_wrongly_computes_nothing(card, monkeypatch):
+    monkeypatch.setenv(devices.CHOICE, "cuda")
+    monkeypatch.setattr(backend, "check_variant", wrong)
+    with pytest.raises(BackendError, match="A card is not used: sums of integers are wrong"):
+        backend._device("cuda")
+
+
+def test_a_card_that_finds_one_layer_of_two_in_a_kernel_is_found_out(monkeypatch):
+    from lumenray.engine.transport.compiled import layers
+
+    # What OptiX does to a second scene in a kernel.
+    monkeypatch.setattr(
+        layers.SharedLayer, "ray_test", lambda self, ray, active=True: layers.mi.Bool(False)
+    )
+    monkeypatch.setitem(devices.DEVICES, "cpu", replace(devices.DEVICES["cpu"], traces_many=False))
+    assert "two layers" in device_check.check_variant("llvm_ad_mono").fault
+
+
+def test_an_answer_without_a_usable_error_is_not_right():
+    assert not device_trial.Answer("bake", 41.667, 83.333, 41.667, "lx", 1.0).is_right
+    assert device_trial.Answer("bake", 83.3, 83.333, 0.14, "lx", 1.0).is_right
 
 
 def test_a_card_that_was_chosen_is_not_replaced_by_another(card, monkeypatch):
@@ -143,8 +181,8 @@ def test_the_check_finds_what_a_faulty_device_would_do(monkeypatch):
     monkeypatch.setattr(dr, "sqrt", lambda x: x * 0.5)
     assert "square roots" in device_check.check_variant("llvm_ad_mono").fault
     monkeypatch.undo()
-    monkeypatch.setattr(device_check, "_cone", lambda: box_shape(0.2))
-    assert "rays met" in device_check.check_variant("llvm_ad_mono").fault
+    monkeypatch.setattr(device_check, "_cone", lambda *_: box_shape(0.2))
+    assert "met" in device_check.check_variant("llvm_ad_mono").fault
 
 
 def box_shape(scale):
