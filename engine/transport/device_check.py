@@ -99,8 +99,8 @@ def _check_layers(variant: str) -> str:
     import mitsuba as mi
 
     from ..arrays import pointer_id
-    from .compiled.layers import make_layers
     from .devices import of_variant
+    from .layers import make_layers
 
     layers = make_layers(None, 2, shares=not of_variant(variant).traces_many)
     for number, layer in enumerate(layers):

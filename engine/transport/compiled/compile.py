@@ -25,13 +25,13 @@ from ...scene.scene import Scene
 from ...sky import plugin as sky_plugin
 from ...sky.picture import describe_faults
 from ..devices import of_variant
+from ..layers import make_layers
 from .bounds import find_bounds, frame_of
 from .changes import Changes, Outgrown, Stamps
 from .compiled_light import CompiledLight, Shared, change_light, compile_light
 from .enclosures import find_enclosed
 from .grain_ways import find_coordinates, find_ways
 from .known_mirrors import KnownMirrors, is_hard_to_meet
-from .layers import make_layers
 from .lights import LightTable, Source
 from .material_palette import MaterialPalette
 from .mean_light import find_mean_light

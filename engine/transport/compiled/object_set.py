@@ -3,9 +3,9 @@
 from ...scene.material import CATCHER, HOLDOUT, Material
 from ...scene.mesh import Mesh
 from ...scene.scene import Scene
+from ..layers import Layer
 from .bodies import Body, Part, check_mesh, make_body, needs_new_shape, reglow
 from .changes import Changes
-from .layers import Layer
 from .material_palette import MaterialPalette
 from .pool import SurfacePool
 

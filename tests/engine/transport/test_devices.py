@@ -93,7 +93,7 @@ def test_a_card_that_was_chosen_and_computes_wrongly_computes_nothing(card, monk
 
 
 def test_a_card_that_finds_one_layer_of_two_in_a_kernel_is_found_out(monkeypatch):
-    from lumenray.engine.transport.compiled import layers
+    from lumenray.engine.transport import layers
 
     # What OptiX does to a second scene in a kernel.
     monkeypatch.setattr(

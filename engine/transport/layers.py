@@ -13,8 +13,7 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from ...arrays import table_size, upload
-from .pool import SurfacePool
+from ..arrays import table_size, upload
 
 SETTLE_SHARE = 0.25
 """Share of edited triangles beyond which rebuilding is cheaper than tracing around them."""
@@ -36,10 +35,10 @@ class Layer:
 
     Parameters
     ----------
-    pool : SurfacePool    Knows the surfaces of the shapes.
+    pool : compiled.pool.SurfacePool    Knows the surfaces of the shapes.
     """
 
-    def __init__(self, pool: SurfacePool):
+    def __init__(self, pool):
         self._pool = pool
         self._still = _scene([])
         self._hot = None
@@ -199,13 +198,13 @@ class SharedLayer:
 
     Parameters
     ----------
-    pool : SurfacePool    Knows the surfaces of the shapes.
+    pool : compiled.pool.SurfacePool    Knows the surfaces of the shapes.
     tree : SharedTree
     """
 
     is_settled = True
 
-    def __init__(self, pool: SurfacePool, tree: SharedTree):
+    def __init__(self, pool, tree: SharedTree):
         self._pool, self._tree = pool, tree
         self._own: dict[int, int] = {}
         self._names = None
@@ -273,7 +272,7 @@ class SharedLayer:
         return name
 
 
-def make_layers(pool: SurfacePool, count: int, shares: bool) -> list[Layer] | list[SharedLayer]:
+def make_layers(pool, count: int, shares: bool) -> list[Layer] | list[SharedLayer]:
     """Return empty layers. ``shares``: whether kernels can trace one Mitsuba scene only."""
     if not shares:
         return [Layer(pool) for _ in range(count)]
