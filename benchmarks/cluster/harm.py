@@ -37,6 +37,7 @@ class Harm:
 
     def __post_init__(self):
         self._over = threading.Event()
+        self._still: set[int] = set()
         self._fault: BaseException | None = None
         self._thread = threading.Thread(target=self._run)
 
@@ -81,6 +82,11 @@ class Harm:
     def _stopped(self, worker) -> None:
         """Until the end of the run."""
         os.kill(worker.pid, signal.SIGSTOP)
+        self._still.add(worker.pid)
+        # Of nobody nothing is to be had: where this was the last one, another one joins.
+        running = (each.pid for each in self.cluster.workers if each.is_running)
+        if self._still.issuperset(running):
+            self.cluster.add_worker()
 
     def _slowed(self, worker) -> None:
         for _ in range(int(SLOW_SECONDS / (2.0 * BEAT))):
