@@ -165,3 +165,10 @@ def test_harm_befalls_workers_and_leaves_as_many(sleepers, seed, monkeypatch):
     assert done.done
     assert set(done.done) <= set(harm.KINDS)
     assert sum(worker.is_running for worker in sleepers.workers) == 2
+
+
+def test_where_all_are_stopped_another_one_joins(sleepers):
+    made = Harm(sleepers, 1, 0.0)
+    for worker in list(sleepers.workers):
+        made._stopped(worker)
+    assert len(sleepers.workers) == 3
