@@ -93,12 +93,14 @@ def tell(rows: list[dict], count: int) -> str:
         "model at four sensors. A bound counts as passed where the difference is over it by more than four standard errors, "
         f"twice: the second time by {AGAIN} times as many samples, as errors stated from few are too small where rare paths "
         "carry much light. "
-        "*Bound over error*: of differences of more than three standard errors. *Difference over noise*: 1 where nothing "
+        "*Bound over error*: of differences of more than three standard errors that are below the bound. "
+        "*Difference over noise*: 1 where nothing "
         f"but noise is left, as of what is exact.\n\n{make_table(head, cells)}\n"
     )
 
 
 def _looseness(row: dict) -> list[float]:
-    """Bound over error, of the errors that are seen beside their noise. [-]"""
+    """Bound over error, of the errors that are seen beside their noise, where that would not hide a bound either. [-]"""
     pairs = zip(row["errors"], row["noises"], strict=True)
-    return [row["bound"] / error for error, noise in pairs if error > SEEN * noise]
+    bound = row["bound"]
+    return [bound / error for error, noise in pairs if SEEN * noise < min(error, bound)]
