@@ -20,8 +20,9 @@ Jobs by the workers of a cluster, [theory](../theory.md#19-beyond-one-machine). 
 HARM = """## Whatever becomes of workers
 
 Illuminance at {sensors} sensors of a room by {samples} samples each, by full paths, by two workers. In every run workers are
-killed (another one then joins), stopped until its end, or made to stand for half of the time for {slow:g} s, one to three
-times, at random. *Equal*: mean and standard error of every sensor have the bits of a run without harm.
+killed (another one then joins), stopped until its end (of the last one that runs another one takes the place), or made to
+stand for half of the time for {slow:g} s, one to three times, at random. *Equal*: mean and standard error of every sensor
+have the bits of a run without harm.
 
 """
 

@@ -96,9 +96,13 @@ def test_a_card_that_finds_one_layer_of_two_in_a_kernel_is_found_out(monkeypatch
     from lumenray.engine.transport import layers
 
     # What OptiX does to a second scene in a kernel.
-    monkeypatch.setattr(
-        layers.SharedLayer, "ray_test", lambda self, ray, active=True: layers.mi.Bool(False)
-    )
+    real, traced = layers.SharedLayer.ray_test, []
+
+    def trace(layer, ray, active=True):
+        traced.append(layer)
+        return real(layer, ray, active) if layer is traced[0] else layers.mi.Bool(False)
+
+    monkeypatch.setattr(layers.SharedLayer, "ray_test", trace)
     monkeypatch.setitem(devices.DEVICES, "cpu", replace(devices.DEVICES["cpu"], traces_many=False))
     assert "two layers" in device_check.check_variant("llvm_ad_mono").fault
 
@@ -182,7 +186,9 @@ def test_the_check_finds_what_a_faulty_device_would_do(monkeypatch):
     assert "square roots" in device_check.check_variant("llvm_ad_mono").fault
     monkeypatch.undo()
     monkeypatch.setattr(device_check, "_cone", lambda *_: box_shape(0.2))
-    assert "met" in device_check.check_variant("llvm_ad_mono").fault
+    assert "rays through two layers met" in device_check.check_variant("llvm_ad_mono").fault
+    monkeypatch.setattr(device_check, "_check_layers", lambda variant: "")
+    assert device_check.check_variant("llvm_ad_mono").fault.startswith("rays met")
 
 
 def box_shape(scale):
