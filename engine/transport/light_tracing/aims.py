@@ -78,8 +78,25 @@ class AimedLight:
     aims: tuple[Aim, ...]
 
 
-def find_aimed_lights(scene, rays: EmissionRays, sampler) -> list[AimedLight]:
-    """Trace all lights and see where they seem to be; those that give most first."""
+@dataclass(frozen=True)
+class Lines:
+    """Last lines on which light arrives at what it lights, of some paths of the pilot.
+
+    Parameters
+    ----------
+    start, end : (m, 3) array    Where they leave what bends them, and where they land, in the scene's frame. [m]
+    flux : (m,) array    [lm]
+    light : (m,) array    Places of their lights among those that are aimed at.
+    """
+
+    start: np.ndarray
+    end: np.ndarray
+    flux: np.ndarray
+    light: np.ndarray
+
+
+def find_aimed_lights(scene, rays: EmissionRays, sampler) -> tuple[list[AimedLight], Lines]:
+    """Trace all lights and see where they seem to be; those that give most first, and the lines of all."""
     landed = send_pilot(scene, rays, sampler, PILOT)
     names = {id(source): name for name, source in scene.named_sources()}
     total, made = max(float(landed["flux"].sum()), 1e-300), []
@@ -95,8 +112,21 @@ def find_aimed_lights(scene, rays: EmissionRays, sampler) -> list[AimedLight]:
         few = {key: values[:MOST_LINES] for key, values in lines.items()}
         few["flux"] = few["flux"] * (flux / few["flux"].sum())
         aims = tuple(_find_aims(light, few, size, scene.radius, parts))
-        made.append(AimedLight(light, name, flux, size, aims))
-    return sorted(made, key=lambda each: -each.flux)
+        made.append((AimedLight(light, name, flux, size, aims), lines))
+    made.sort(key=lambda each: -each[0].flux)
+    if not made:
+        return [], Lines(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0), np.zeros(0, dtype=int))
+    return [aimed for aimed, _ in made], join_lines([lines for _, lines in made])
+
+
+def join_lines(of_lights: list[dict]) -> Lines:
+    """Lines of all lights together, see `light_paths.send_pilot`."""
+    start, direction, way, flux = (
+        np.concatenate([lines[name] for lines in of_lights])
+        for name in ("start", "direction", "way", "flux")
+    )
+    number = np.repeat(np.arange(len(of_lights)), [len(lines["flux"]) for lines in of_lights])
+    return Lines(start, start + direction * way[:, None], flux, number)
 
 
 def _size_of(light: TracedLight, lines: dict, scene) -> float:

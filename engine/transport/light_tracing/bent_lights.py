@@ -24,7 +24,7 @@ from ..paths.left_out import LeftOut
 from ..paths.visibility import closest_hit
 from ..paths.wavelengths import make_sampler
 from ..rays import spawn_ray
-from .aims import DIRECTION, PLACE, SUN_RADIUS, AimedLight, find_aimed_lights
+from .aims import DIRECTION, PLACE, SUN_RADIUS, AimedLight, Lines, find_aimed_lights
 from .bent_rays import BentRays
 from .emission_rays import (
     IDEAL,
@@ -80,6 +80,7 @@ class BentLights:
     left_out : LeftOut    What scattered rays must not count after a bend.
     lights : tuple of TracedLight    Whose light is found so, in the order of their numbers.
     tree : SphereTree or None    Of what bends light.
+    lines : Lines or None    By which light arrives; of lights beyond ``lights`` too.
     notes : tuple of str    What is approximated, for people.
     is_compared : bool    Whether points give, in place of their light, how much less they would give with half their disk.
     """
@@ -93,11 +94,13 @@ class BentLights:
         targets = find_targets(scene)
         self.tree = targets.tree
         found: list[AimedLight] = []
+        self.lines: Lines | None = None
         if targets.tree is not None:
             sampler = make_sampler(scene, "luminance")
             lights = find_bent_lights(scene, targets.tree, sampler) + find_ray_points(scene)
             if lights:
-                found = find_aimed_lights(scene, EmissionRays(scene, lights, targets.tree), sampler)
+                rays = EmissionRays(scene, lights, targets.tree)
+                found, self.lines = find_aimed_lights(scene, rays, sampler)
         ends = np.cumsum([len(each.aims) for each in found])
         kept = found[: int(np.searchsorted(ends, MOST_AIMS, side="right"))]
         self.is_needed = bool(kept)
@@ -124,6 +127,7 @@ class BentLights:
         # Those that vertices in view of the camera ask come first.
         pairs.sort(key=lambda pair: pair[0] in traced)
         asked = sum(number not in traced for number, _, _ in pairs)
+        self._first_aims = {number: row for row, (number, _, _) in reversed(list(enumerate(pairs)))}
         self._unseen = dr.opaque(mi.UInt32, asked) if traced else None
         rows = np.zeros((table_size(len(pairs)), COLUMNS))
         for row, (number, each, aim) in zip(rows, pairs, strict=False):
@@ -143,6 +147,10 @@ class BentLights:
         self._points = any(each.light.start == IDEAL for each in lights)
         self._surfaces = any(each.light.start == SURFACE for each in lights)
         dr.eval(self._rows)
+
+    def first_aim(self, number: int) -> int:
+        """Row of the first aim of a light, by its place in ``lights``."""
+        return self._first_aims[number]
 
     @property
     def has_points(self) -> bool:

@@ -1,9 +1,10 @@
 """From where single sensors get light over bends: what rays have found there, so that later ones look there again.
 
 The aims of `bent_lights` serve all places, and what a sensor sees of a lamp in a ball of glass may be a hundredth of what
-they look at. So some rays of each sensor look by the aims; of the directions in which they have met a light, some are kept,
-drawn by what was found. Later rays look about one of these, or by the aims, and are weighed by the density of both together:
-wherever light comes from, the estimate has no bias, and what the first rays have found is not used itself.
+they look at. Light that lands near to a sensor tells by which ways it comes there: some of these are supposed to be the
+sensor's too. Some rays look about them and by the aims, and of the directions in which they have met a light some are kept.
+Later rays look about one of either kind, or by the aims, and are weighed by the density of all together: wherever light
+comes from, the estimate has no bias, and what the first rays have found is not used itself.
 
 Ideal points are taken for spheres, which makes edges of caustics less sharp. Rays that know where to look meet smaller ones
 as well: a second turn looks for a quarter of the size, and such light errs by a sixteenth.
@@ -25,20 +26,37 @@ from .emission_rays import in_cap
 KEPT = 32
 """Directions that are kept of a sensor."""
 
-FEWEST = 8
-"""Different ones that must have been found; with fewer, rays go by the aims alone."""
+SUPPOSED, NEAR = (4, 16), 128
+"""Those of them that are supposed, where others are sure and where not, and ways of light that lands nearest, out of which
+they are chosen."""
 
-SHARE = 0.75
-"""Share of the rays that looks about known directions. [-]"""
+SURE = 64.0
+"""Rays, all of which bring the same, that scatter as those do which have found directions: with more these are sure."""
+
+ALL_PAIRS = 1 << 26
+"""Distances from sensors to where light lands that are looked at, of all sensors together, about."""
+
+CHUNK = 64
+"""Sensors whose distances are taken at once."""
+
+FEWEST = 2
+"""Directions of a light of a smaller size that must have been found for a sensor to keep to it."""
+
+SHARES, BELIEVED = (0.75, 0.5), 8
+"""Share of the rays that looks about known directions, where at least so many have been found, and where not. [-]"""
 
 RAYS, ALL_RAYS = (1 << 9, 1 << 13), 1 << 21
 """Fewest and most rays of a sensor that look for directions; and of all sensors together, about."""
 
-WIDTH = 2.0
-"""Width of the cone about a known direction, in median distances from one found direction to its nearest neighbours; of so
-many of these."""
+WIDTH, NEIGHBOURS = 2.0, 4
+"""Width of the cone about a direction, in distances to its nearest neighbours among those found, or to those that a supposed
+one stands for; of so many of these among KEPT."""
 
-NEIGHBOURS = 4
+MOST_FOUND = 512
+"""Directions that were found, among which neighbours are looked for, about."""
+
+LONELY = 5e-4
+"""Width about the only direction that was found, as 1 - cos."""
 
 NARROWEST = 1e-12
 """Least width, as 1 - cos: directions have no more digits."""
@@ -46,8 +64,8 @@ NARROWEST = 1e-12
 SIZES = (1.0, 0.25)
 """Sizes of spheres that stand for points, relative to the usual one, turn by turn of looking for directions."""
 
-COLUMNS = 4
-"""Direction and aim, row by row."""
+COLUMNS = 5
+"""Direction, aim and 1 - cos of the half angle of the cone, row by row."""
 
 SALT = 0x6B21
 """Sets these rays apart from others of the same seed."""
@@ -80,50 +98,87 @@ class KnownDirections:
         self._places = Places(scene, receivers)
         rays = 1 << int(np.log2(rays))
         self._rows = np.zeros((count, KEPT, COLUMNS), dtype=np.float32)
-        self._caps, self._shares = np.full(count, NARROWEST), np.zeros(count)
-        self._scales = np.ones(count)
+        self._rows[..., 4] = NARROWEST
+        self._shares, self._scales = np.zeros(count), np.ones(count)
         self._draw = np.random.default_rng([seed & 0xFFFFFFFF, SALT])
         self._step = max(LANES // rays, 1)
-        self._put()
+        self._supposed = self._suppose(receivers)
+        for number in range(count):
+            self._keep(number, np.zeros((0, COLUMNS)), SUPPOSED[1], SHARES[1])
         for turn, scale in enumerate(SIZES):
             if turn and not (self.is_useful and scene.bent.has_points):
                 break
             self._learn(turn, scale, rays, cancelled)
 
+    def _suppose(self, receivers) -> list[np.ndarray]:
+        """Ways by which light comes to what lies near, of every receiver, as `_spread` takes them. (m, COLUMNS) each"""
+        bent, count = self.scene.bent, len(receivers.start)
+        lines = bent.lines
+        held = np.flatnonzero(lines.light < len(bent.lights))
+        most = max(ALL_PAIRS // count, NEAR)
+        if len(held) > most:
+            held = self._draw.choice(held, most, replace=False)
+        start, end = lines.start[held], lines.end[held]
+        aims = np.array([bent.first_aim(number) for number in lines.light[held]])
+        places, normals = receivers.outlooks(self.scene)
+        is_planar, made = receivers.geometric_normals.any(), []
+        for first in range(0, count, CHUNK):
+            some = places[first : min(first + CHUNK, count)]
+            # All distances at once, but for the square of the place, which is the same for all.
+            order = (end**2).sum(axis=1) - 2.0 * some @ end.T
+            near = np.argsort(order) if len(held) <= NEAR else np.argpartition(order, NEAR)
+            for own, place, normal in zip(near[:, :NEAR], some, normals[first:], strict=False):
+                ways = start[own] - place
+                distances = np.maximum(np.linalg.norm(ways, axis=1), 1e-30)
+                # From where light comes to a place beside is known no better than by this angle.
+                doubt = np.linalg.norm(end[own] - place, axis=1) / distances
+                columns = np.column_stack([ways / distances[:, None], aims[own], doubt])
+                made.append(columns[ways @ normal > 0.0] if is_planar else columns)
+        return made
+
     def _learn(self, turn: int, scale: float, rays: int, cancelled) -> None:
         """Look for directions at receivers, by those that are known so far, and keep what is found."""
-        known, before = [], self._scales.copy()
+        before = self._scales.copy()
         # Who knows nothing yet has no use for smaller lights.
         self._scales[self._shares > 0.0] = scale
         self._put()
         count = len(self._shares)
+        is_found = np.zeros(count, dtype=bool)
         for first in range(0, count, self._step):
             if cancelled():
                 raise Cancelled("cancelled")
             found = self._look(turn, first, min(self._step, count - first), rays)
             for number in np.unique(found[0]):
-                own = found[0] == number
-                if own.sum() >= FEWEST and (turn == 0 or self._shares[first + number] > 0.0):
-                    known.append(first + number)
-                    self._keep(first + number, *(each[own] for each in found[1:]))
-        is_known = np.zeros(count, dtype=bool)
-        is_known[known] = True
-        self._shares[is_known] = SHARE
-        self._scales = np.where(is_known, scale, before)
+                amounts, directions, aims = (each[found[0] == number] for each in found[1:])
+                if len(amounts) >= (FEWEST if turn else 1):
+                    is_found[first + number] = True
+                    # Rather those that bring more, but not what one ray has brought by chance alone.
+                    chance = np.sqrt(amounts)
+                    kept = self._draw.choice(len(chance), KEPT, p=chance / chance.sum())
+                    widths = _widths(directions, kept)
+                    rows = np.column_stack([directions[kept], aims[kept], widths])
+                    is_sure = amounts.sum() ** 2 > SURE * (amounts**2).sum()
+                    share = SHARES[0 if len(amounts) >= BELIEVED else 1]
+                    self._keep(first + number, rows, SUPPOSED[0 if is_sure else 1], share)
+        self._scales = np.where(is_found, scale, before)
         self.is_useful = bool(self._shares.any())
         self._put()
 
-    def _keep(self, receiver: int, amounts, directions, aims) -> None:
-        """Keep some of the directions that were found, drawn by what they bring."""
-        kept = self._draw.choice(len(amounts), KEPT, p=amounts / amounts.sum())
-        self._rows[receiver, :, :3] = directions[kept]
-        self._rows[receiver, :, 3] = aims[kept]
-        self._caps[receiver] = _width(directions)
+    def _keep(self, receiver: int, found: np.ndarray, most: int, share: float) -> None:
+        """Look about what was found, and about what is supposed: rays may not have met all that is there.
+
+        ``found``: rows, (m, COLUMNS); ``most``: that are supposed; ``share``: of the rays that looks so.
+        """
+        supposed = _spread(self._supposed[receiver], most)
+        rows = np.concatenate([found[: KEPT - len(supposed)], supposed])
+        if len(rows):
+            self._rows[receiver] = np.resize(rows, (KEPT, COLUMNS))
+            self._shares[receiver] = share
 
     def _put(self) -> None:
         """Upload the tables."""
         self.rows = upload(mi.Float, self._rows)
-        self.numbers = [upload(mi.Float, each) for each in (self._shares, self._caps, self._scales)]
+        self.numbers = [upload(mi.Float, each) for each in (self._shares, self._scales)]
         dr.eval(self.rows, self.numbers)
 
     def of(self, who) -> "Directions":
@@ -146,7 +201,7 @@ class KnownDirections:
             stream,
             lambda direction, asked: (respond(direction), mi.Float(0.0)),
             mi.Bool(True),
-            known=self.of(who) if turn else None,
+            known=self.of(who),
         )
         amount = dr.max(value)
         amount = dr.select(dr.isfinite(amount), amount, 0.0) + mi.Float(lane) * 0.0
@@ -166,10 +221,9 @@ class Directions:
 
     def draw(self, stream, index, direction):
         """An aim and a direction: about a known one, or those given."""
-        share, cap = self._number(0), self._number(1)
         row = dr.minimum(mi.UInt32(stream.next_float32() * KEPT), KEPT - 1)
-        is_known = stream.next_float32() < share
-        axis, aim = self._row(row)
+        is_known = stream.next_float32() < self._number(0)
+        axis, aim, cap = self._row(row)
         sample = mi.Point2f(stream.next_float32(), stream.next_float32())
         near = mi.Frame3f(axis).to_world(in_cap(cap, sample))
         return (
@@ -179,15 +233,14 @@ class Directions:
 
     def density(self, other, light, direction):
         """Density of a direction, for a light: of known directions and of others of the density ``other``. [sr-1]"""
-        share, cap = self._number(0), self._number(1)
-        bent = self.tables.scene.bent
+        share, bent = self._number(0), self.tables.scene.bent
 
         def add(held, i):
-            axis, aim = self._row(i)
+            axis, aim, cap = self._row(i)
             # By the chord, since cosines of narrow cones have no digits left.
             inside = 0.5 * dr.squared_norm(direction - axis) <= cap * (1.0 + 1e-4) + 1e-13
             own = inside & (bent.light_of(mi.UInt32(aim)) == light)
-            return dr.select(own, held + 1.0, held), i + 1
+            return dr.select(own, held + dr.rcp(cap), held), i + 1
 
         held, _ = dr.while_loop(
             state=(mi.Float(0.0), mi.UInt32(0)),
@@ -195,29 +248,59 @@ class Directions:
             body=add,
             labels=("held", "i"),
         )
-        known = held * (dr.inv_two_pi / KEPT) / cap
+        known = held * (dr.inv_two_pi / KEPT)
         return (1.0 - share) * other + share * known
 
     def scale(self):
         """Size of spheres that stand for points, relative to the usual one."""
-        return self._number(2)
+        return self._number(1)
 
     def _number(self, column: int):
-        """Share of the rays that looks about known directions, 1 - cos of the cone's half angle, or `scale`."""
+        """Share of the rays that looks about known directions, or `scale`."""
         return dr.gather(mi.Float, self.tables.numbers[column], self.who)
 
     def _row(self, number):
-        """A direction, and its aim."""
+        """A direction, its aim, and 1 - cos of the half angle of the cone about it."""
         first = (self.who * KEPT + number) * COLUMNS
         axis = mi.Vector3f(*(dr.gather(mi.Float, self.tables.rows, first + k) for k in range(3)))
-        return axis, dr.gather(mi.Float, self.tables.rows, first + 3)
+        aim, cap = (dr.gather(mi.Float, self.tables.rows, first + k) for k in (3, 4))
+        return axis, aim, cap
 
 
-def _width(directions: np.ndarray) -> float:
-    """1 - cos of the half angle of a cone that reaches from one found direction over its neighbours."""
-    some = directions[:256].astype(np.float64)
-    squares = ((some[:, None] - some[None]) ** 2).sum(axis=2)
+def _spread(ways: np.ndarray, most: int) -> np.ndarray:
+    """Ways that lie as far apart as can be, with cones that hold the others. (n, COLUMNS) -> (m, COLUMNS)
+
+    ``ways``: direction, aim, and angle by which it is in doubt [rad]; ``most``: that are kept.
+    """
+    if not len(ways):
+        return ways
+    directions = ways[:, :3]
+    chosen, held = [0], np.zeros(len(ways), dtype=int)
+    squares = ((directions - directions[0]) ** 2).sum(axis=1)
+    while len(chosen) < min(most, len(ways)):
+        farthest = int(squares.argmax())
+        own = ((directions - directions[farthest]) ** 2).sum(axis=1)
+        held[own < squares] = len(chosen)
+        squares = np.minimum(own, squares)
+        chosen.append(farthest)
+    reach = np.zeros(len(chosen))
+    np.maximum.at(reach, held, squares)
+    made = ways[chosen]
+    widths = np.maximum(WIDTH**2 * reach, made[:, 4] ** 2)
+    made[:, 4] = np.clip(0.5 * widths, NARROWEST, 1.0)
+    return made
+
+
+def _widths(directions: np.ndarray, kept: np.ndarray) -> np.ndarray:
+    """1 - cos of the half angles of cones about kept directions that reach over their neighbours. (k,)
+
+    ``directions``: all that were found, (n, 3); ``kept``: numbers of some of them. (k,)
+    """
+    some = directions[:: max(len(directions) // MOST_FOUND, 1)].astype(np.float64)
+    if len(some) < 2:
+        return np.full(len(kept), LONELY)
+    squares = ((directions[kept][:, None] - some[None]) ** 2).sum(axis=2)
     # Of KEPT ones about as many are as near to each other as of all found the NEIGHBOURS * n / KEPT nearest.
     rank = min(max(NEIGHBOURS * len(some) // KEPT, NEIGHBOURS), len(some) - 1)
-    near = float(np.sqrt(np.median(np.partition(squares, rank, axis=1)[:, rank])))
-    return float(np.clip(0.5 * (WIDTH * near) ** 2, NARROWEST, 1.0))
+    near = np.sqrt(np.partition(squares, rank, axis=1)[:, rank])
+    return np.clip(0.5 * (WIDTH * near) ** 2, NARROWEST, 1.0)
