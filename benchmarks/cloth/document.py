@@ -125,9 +125,9 @@ def _presets(rows) -> str:
         "table error [%] | s |"
     )
     return (
-        "## Cloths that ship\n\nAs data sheets state them (EN 14500, D65), from drafts of 12 000 rays for each direction, "
-        "with standard errors; the cut-off angle is told along the warp and along the weft. The time is of one that was not "
-        "kept from before.\n\n" + make_table(head, lines, 9)
+        "## Cloths that ship\n\nAs data sheets state them (EN 14500, D65), from tables of 120 000 rays for each direction, "
+        "as they are computed unless a draft is asked for, with standard errors; the cut-off angle is told along the warp "
+        "and along the weft. The time is of one that was not kept from before.\n\n" + make_table(head, lines, 9)
     )
 
 
@@ -145,7 +145,7 @@ def _curtain(rows) -> str:
     return (
         "## Behind a curtain\n\nMean of a lux map close behind a curtain that closes a black box, over the illuminance in "
         "front of it, under an even sky and under a sun along the normal; and the transmittance that the curtain's tables "
-        "(drafts) state for this light. Light is followed from the map, so what it meets is the tables' values for light "
+        "state for this light. Light is followed from the map, so what it meets is the tables' values for light "
         "from everywhere else, in place of their total for light along the normal: both are the same up to the tables' "
         "noise, of which the standard error is told.\n\n"
         + make_table("| curtain | light | map | table | apart | of the table |", lines, 2)

@@ -211,7 +211,7 @@ def _measure_presets(say) -> dict:
     for name in cloths.presets():
         say(name)
         start = time.process_time()
-        woven = compute(name)
+        woven = compute(name, draft=False)
         rows[name] = asdict(woven.sheet) | {
             "rays": woven.rays,
             "table_error": woven.table_error,
@@ -224,7 +224,7 @@ def _measure_curtain(say) -> dict:
     made = {}
     for name in CURTAINS:
         say(f"behind {name}")
-        made[name] = light_behind(compute(name))
+        made[name] = light_behind(compute(name, draft=False))
     return made
 
 

@@ -69,13 +69,14 @@ class DrawnExits:
         self.first = mi.Float(values[:, :4].ravel())
         self.second = mi.Float(np.pad(values[:, 4:], ((0, 0), (0, 2))).ravel())
 
-    def draw(self, thread, axial, around, inward, stream):
+    def draw(self, thread, axial, around, inward, stream, active):
         """Exits of rays that enter threads.
 
         Parameters
         ----------
         thread : UInt32    Number of the thread.
         axial, around, inward : Float    Components of the direction along the thread, about it, and inwards.
+        active : Bool    Which rays enter a thread; of others the direction may be no number, nor what this gives.
 
         Returns
         -------
@@ -87,8 +88,8 @@ class DrawnExits:
         place = [mi.UInt32(dr.minimum(dr.abs(spot), BINS - 0.5)) for spot in spots]
         one = dr.minimum(mi.UInt32(stream.next_float32() * mi.Float(self.exits)), self.exits - 1)
         row = ((thread * BINS + place[0]) * BINS + place[1]) * self.exits + one
-        along, turn, normal, out = dr.gather(mi.Vector4f, self.first, row)
-        about, length, _, _ = dr.gather(mi.Vector4f, self.second, row)
+        along, turn, normal, out = dr.gather(mi.Vector4f, self.first, row, active)
+        about, length, _, _ = dr.gather(mi.Vector4f, self.second, row, active)
         first, second = spots
         return (
             dr.mulsign(along, first),

@@ -284,7 +284,7 @@ class WovenScene:
         # A facet of the drawn body may face light that its round one turns away from.
         inward = dr.maximum(-dr.dot(direction, normal), 1e-4)
         reflected, out = self._facet(stream, kind, mi.Vector3f(-around, -axial, inward), hits)
-        drawn = self.exits.draw(kind + KINDS * anchor, axial, around, inward, stream)
+        drawn = self.exits.draw(kind + KINDS * anchor, axial, around, inward, stream, hits)
         radius = dr.gather(mi.Float, self.radii, kind, hits)
         moved = place + drawn[0] * radius / dr.gather(mi.Float, self.steps, tube, hits)
         moved = self._placed(tube, dr.select(reflected, place, moved), hits)

@@ -160,3 +160,19 @@ def test_straight_light_between_cylinders_is_in_closed_form(nothing):
     # The drawn bodies have 32 corners: half a per cent thinner in the mean.
     assert scene.straight_shares(light, 40_000) == pytest.approx(expected, abs=4e-3)
     assert np.degrees(cutoff_angles(scene)) == pytest.approx(45.573, abs=0.75)
+
+
+def test_rays_that_meet_no_yarn_read_nothing(nothing, capfd):
+    """They have no direction along a yarn, by which records are found: on some processors that reads memory of others."""
+    backend.start(spectral=False)
+    from lumenray.engine.cloth.tubes import lay_out_straight
+
+    exits = np.zeros((64, 6), np.float32)
+    exits[:, 2] = 1.0
+    tubes = lay_out_straight(Cloth(nothing, nothing, plain(0.3, 0.3)), 0)
+    with dr.scoped_set_flag(dr.JitFlag.Debug, True):
+        made = straight_scene(tubes, exits).trace([0.0, 0.0, -1.0], 10_000, 5)
+        events = np.array(made.events)
+    assert 0 < (events == 0).sum() < len(events)
+    told = capfd.readouterr()
+    assert "out-of-bounds" not in told.err + told.out

@@ -37,6 +37,7 @@ from lumenray.engine.views import Display, ViewSettings
 from lumenray.engine.worker.client import Worker
 from lumenray.engine.worker.link import JOB_NAMES
 from lumenray.engine.worker.server import JOBS
+from lumenray.libraries import cloths
 
 
 @pytest.fixture(scope="module")
@@ -81,6 +82,26 @@ def test_a_pigment_layer_comes_from_a_worker_as_from_the_session(tmp_path, monke
     there, here = (each.surface.front_reflection.values for each in (made, near))
     np.testing.assert_array_equal(there, here)
     assert any(each.stage == "pigment layer" for each in told)
+
+
+@pytest.mark.slow
+def test_a_cloth_comes_from_a_worker_as_from_the_session(tmp_path, monkeypatch):
+    text = cloths.presets()["voile"].read_text(encoding="utf-8")
+    monkeypatch.setenv("LUMENRAY_CLOTH_CACHE", str(tmp_path / "near"))
+    near = Session().compute_cloth(text, draft=True)
+    monkeypatch.setenv("LUMENRAY_CLOTH_CACHE", str(tmp_path / "far"))
+    told = []
+    with Worker(ROOT) as engine:
+        far = engine.session("curtain")
+        made = far.compute_cloth(text, draft=True, progress=told.append)
+    assert any((tmp_path / "far").iterdir())
+    assert (made.key, made.notes, made.rays) == (near.key, near.notes, near.rays)
+    assert made.sheet == near.sheet
+    for side in ("front_reflection", "front_transmission"):
+        there, here = (getattr(each.surface, side).values for each in (made, near))
+        np.testing.assert_array_equal(there, here)
+    done = [each.done for each in told]
+    assert len(set(done)) > 3 and done == sorted(done)
 
 
 def order(steps=20, transport="auto"):
