@@ -127,7 +127,8 @@ def _presets(rows) -> str:
     return (
         "## Cloths that ship\n\nAs data sheets state them (EN 14500, D65), from tables of 120 000 rays for each direction, "
         "as they are computed unless a draft is asked for, with standard errors; the cut-off angle is told along the warp "
-        "and along the weft. The time is of one that was not kept from before.\n\n" + make_table(head, lines, 9)
+        "and along the weft. The time is of one that was not kept from before.\n\n"
+        + make_table(head, lines, 9)
     )
 
 

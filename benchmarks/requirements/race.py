@@ -109,14 +109,22 @@ def relative_error(error, values) -> float:
 def true_error(row: dict) -> tuple[float, float]:
     """Root mean square of the true errors over the seeds, without that of the reference, and its standard error. [-]
 
-    The latter holds what runs differ by, and what the square of the reference's error may be off by.
+    The latter holds what runs differ by, and what the square of the reference's error may be off by. Of an error that the
+    reference hides it is no more than a bound, see `is_hidden`.
     """
-    squares = np.array(row["squares"]) - row["reference_square"]
+    squares = np.array(row["squares"])
+    if not is_hidden(row):
+        squares = squares - row["reference_square"]
     mean = max(float(squares.mean()), 0.0)
     spread = float(squares.std(ddof=1)) / np.sqrt(len(squares)) if len(squares) > 1 else mean
     spread = float(np.hypot(spread, row.get("reference_spread", 0.0)))
     root = np.sqrt(mean)
     return float(root), float(0.5 * spread / root) if root > 0.0 else 0.0
+
+
+def is_hidden(row: dict) -> bool:
+    """Whether runs differ from the reference by less than that may be off itself: all of it may be the reference's."""
+    return float(np.mean(row["squares"])) <= row["reference_square"]
 
 
 def _is_reckoned(made) -> bool:

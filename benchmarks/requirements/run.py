@@ -39,7 +39,8 @@ the rays of ray sets everywhere, nothing merged or left out). Seconds are those 
 and the scene compiled, without the second witness, which costs both the same; of runs in full of
 more than {longest:g} s and automatic ones of more than {own:g} s, marked by \\*, they are reckoned from the error that was
 reached, and the latter, {few} in place of {seeds}, are judged by the error that they state. *True error*: root mean
-square of {seeds} runs over the sensors, over their mean, against the runs in full.
+square of {seeds} runs over the sensors, over their mean, against the runs in full; *at most* where these may be off by more
+themselves.
 {cpu}, {cores} cores.
 
 """
@@ -194,9 +195,10 @@ def _tell_race(result: dict) -> str:
     for row in result["scenes"].values():
         error, doubt = race.true_error(row)
         own, full = ("\\*" if row.get(key) else "" for key in ("is_reckoned", "is_full_reckoned"))
+        bound = "at most " if race.is_hidden(row) else ""
         rows.append(
             f"| {row['title']} | {_tell(row['seconds'])}{own} | {_tell(row['full_seconds'])}{full} | "
-            f"x {row['full_seconds'] / row['seconds']:.3g} | {100.0 * error:.2f} ± {100.0 * doubt:.2f} | "
+            f"x {row['full_seconds'] / row['seconds']:.3g} | {bound}{100.0 * error:.2f} ± {100.0 * doubt:.2f} | "
             f"{100.0 * max(row['stated']):.2f} |"
         )
     head = "| scene | what is needed [s] | in full [s] | ratio | true error [%] | stated, at most [%] |"
