@@ -5,13 +5,14 @@ a second, and a timer takes it over. All but the drawing is on Blender's main th
 """
 
 import time
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Future
 
 import bpy
 import bpy.utils.previews
 
 from ...imports import loaded_when_used
 from ..foundation.redraw import redraw
+from ..foundation.side_thread import SideThread
 
 with loaded_when_used():
     import numpy as np
@@ -76,7 +77,7 @@ class ErrorGraph:
         if bpy.app.timers.is_registered(self.timer):
             bpy.app.timers.unregister(self.timer)
         if self._painter is not None:
-            self._painter.shutdown(cancel_futures=True)
+            self._painter.shutdown()
         if self._icons is not None:
             bpy.utils.previews.remove(self._icons)
         self.__init__()
@@ -95,7 +96,7 @@ class ErrorGraph:
             if wait > 0.0:
                 return wait
             if self._painter is None:
-                self._painter = ThreadPoolExecutor(1, "error graph")
+                self._painter = SideThread("error graph")
             self._begun, self._shown = time.monotonic(), self._wanted
             self._future = self._painter.submit(_draw, *self._wanted)
         elif self._future.done():

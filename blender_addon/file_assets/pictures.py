@@ -5,12 +5,12 @@ panels drawn again. All but the drawing is on Blender's main thread.
 """
 
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 
 import bpy
 import bpy.utils.previews
 
 from ..foundation.redraw import redraw
+from ..foundation.side_thread import SideThread
 
 STEP, SMALLEST, LARGEST = 32, 160, 480
 """Sides that pictures have: multiples of the first, between the others. [pixel]"""
@@ -65,7 +65,7 @@ class Pictures:
                 for other in [n for n, picture in self._drawing.items() if picture.cancel()]:
                     del self._drawing[other]
             if self._painter is None:
-                self._painter = ThreadPoolExecutor(1, self.noun)
+                self._painter = SideThread(self.noun)
             self._drawing[name] = self._painter.submit(self._draw, reading, side, is_dark, *kind)
         if not bpy.app.timers.is_registered(self.timer):
             bpy.app.timers.register(self.timer, first_interval=POLL_INTERVAL)
@@ -79,7 +79,7 @@ class Pictures:
         if bpy.app.timers.is_registered(self.timer):
             bpy.app.timers.unregister(self.timer)
         if self._painter is not None:
-            self._painter.shutdown(cancel_futures=True)
+            self._painter.shutdown()
             self._painter = None
         self._drawing.clear()
         if self._icons is not None:

@@ -7,13 +7,14 @@ on without a file that is not ready, a render or a bake waits for it.
 import threading
 from collections import OrderedDict
 from collections.abc import Callable, Hashable
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Future
 from weakref import WeakSet, WeakValueDictionary
 
 import bpy
 
 from ...engine.errors import LumenrayError
 from ..foundation.redraw import redraw
+from ..foundation.side_thread import SideThread
 
 TICK = 0.25
 """Between two looks at what is being read. [s]"""
@@ -64,7 +65,7 @@ class Shelf:
         # What each owner asked for last.
         self._wanted: dict[Hashable, tuple] = {}
         self._contents = WeakValueDictionary()
-        self._pool: ThreadPoolExecutor | None = None
+        self._pool: SideThread | None = None
         self._waiting: list[Callable[[], bool]] = []
         self._shares: list[float] = []
         # Blender knows a timer by the object, and every look at a method makes a new one.
@@ -144,14 +145,14 @@ class Shelf:
         if bpy.app.timers.is_registered(self.timer):
             bpy.app.timers.unregister(self.timer)
         if pool is not None:
-            pool.shutdown(cancel_futures=True)
+            pool.shutdown()
         self._contents.clear()
 
     def _begin(self, read: Callable) -> Job:
         job = Job()
         if self._thread:
             if self._pool is None:
-                self._pool = ThreadPoolExecutor(1, self._thread)
+                self._pool = SideThread(self._thread)
             job.future = self._pool.submit(read, job)
             self._begun.add(job)
             return job

@@ -283,13 +283,11 @@ def cloths():
         bpy.ops.lumenray.set_cloth_preset(preset="voile")
     tables = module("blender_addon.cloths.tables").cloth_tables
     yield from tab("cloth_computing", "MATERIAL")
+    # No picture of the material is drawn meanwhile.
+    area_of("PROPERTIES").spaces.active.context = "SCENE"
     yield from wait_for(
         lambda: tables.state_of(settings.cloth).reading is not None, "the cloth", 900.0
     )
-    area_of("PROPERTIES").tag_redraw()
-    # The picture takes its place only when it is drawn.
-    yield 10.0
-    yield from tab("cloth", "MATERIAL")
     area = area_of("VIEW_3D")
     area.spaces.active.region_3d.view_perspective = "CAMERA"
     bpy.context.scene.lumenray.viewport.samples = 16
@@ -304,6 +302,10 @@ def cloths():
     yield DRAWN
     picture("view_cloth", next(each for each in area.regions if each.type == "WINDOW"))
     area.spaces.active.shading.type = "SOLID"
+    yield from tab("cloth", "MATERIAL")
+    # The picture takes its place only when it is drawn.
+    yield 10.0
+    yield from tab("cloth", "MATERIAL")
     bpy.data.objects.remove(item)
 
 
