@@ -62,8 +62,8 @@ class Bias:
 
     @property
     def held(self) -> float:
-        """What the errors hold of it, relative to a receiver's illuminance. [-]"""
-        return max(self.beyond, ALLOWED)
+        """What errors hold of it, relative to a receiver's illuminance: what is no chance, and what chance may hide. [-]"""
+        return float(np.hypot(max(self.beyond, ALLOWED), self.error))
 
     def note(self) -> str:
         """For people."""
@@ -109,13 +109,14 @@ class CellJob:
         self.light = SensorLight(scene, receivers, seed, colour, cells, known)
         self._weights, self._count = receivers.weights, len(receivers.start)
 
-    def run(self, samples: float, budget: float) -> tuple[Estimate | None, Bias]:
+    def run(self, samples: float, budget: float, most_held: float) -> tuple[Estimate | None, Bias]:
         """Make passes until the rule is met.
 
         Parameters
         ----------
         samples : float    Of all receivers, as they are forecast.
-        budget : float    What cells may be off by; the job ends where it is more. [-]
+        budget, most_held : float
+            What cells may be off by beyond chance, and what errors may hold for it; the job ends where it is more. [-]
 
         Returns
         -------
@@ -135,7 +136,7 @@ class CellJob:
             made = sums.estimate()
             if bias is None:
                 bias = self._find_bias(samples, made.mean[:, bright])
-                if bias.beyond > budget:
+                if bias.beyond > budget or bias.held > most_held:
                     return None, bias
             made = made.widened(bias.held * made.mean[:, bright])
             done, brightness = round(sums.samples), made.channel(bright)

@@ -24,13 +24,14 @@ from ..pictures.view_cells import Division, ViewCells
 from ..witness.sensors import SensorTestimony, hear_sensors
 from .cell_job import CellJob
 from .lateness import ENDLESS, late_bounds
-from .method import BUDGET, Choice
+from .method import BUDGET, FEWEST_PATHS, Choice
 
 GROUPS = 16
 """Independent groups of samples: enough for an error of each sensor, within 18 % of itself."""
 
-CELLS = 12_000
-"""How many cells there are, about, whatever the number of sensors: each of them looks at all of a room."""
+CELLS, MOST_CELLS = 12_000, 48_000
+"""How many cells there are, about, whatever the number of sensors, as each of them looks at all of a room: of jobs for which
+cells just pay, and of long ones, which read them so often that more of them, which are off by less, cost next to nothing."""
 
 LOOKS = 1 << 16
 """Rays that find which surfaces matter."""
@@ -207,7 +208,8 @@ class _Measuring:
             rows = np.random.default_rng([self.seed & 0xFFFFFFFF, 6]).integers(
                 0, len(places), LOOKS
             )
-            division = Division(scene, Sight(scene, places[rows], normals[rows], self.seed), CELLS)
+            wanted = int(np.clip(CELLS * choice.paths / FEWEST_PATHS, CELLS, MOST_CELLS))
+            division = Division(scene, Sight(scene, places[rows], normals[rows], self.seed), wanted)
             cells = ViewCells(scene, division, self.seed, self.cancelled, groups=GROUPS)
             if not cells:
                 choice.uses_cells, choice.reason = False, "no surface is matt: full paths"
@@ -229,10 +231,11 @@ class _Measuring:
                 self.cancelled,
             )
             self.clock.restart()
-            made, bias = job.run(choice.paths, np.inf if is_forced else BUDGET)
+            most = (np.inf, np.inf) if is_forced else (BUDGET, choice.most_held)
+            made, bias = job.run(choice.paths, *most)
         finally:
             scene.spots = spots
         if made is None:
-            choice.refuse(bias.beyond)
+            choice.refuse(bias)
             return None, ()
         return finish(made, self.colour), (bias.note(),)

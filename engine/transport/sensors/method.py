@@ -21,6 +21,9 @@ FEWEST_SECONDS = 30.0
 BUDGET = 0.003
 """What cells may be off by beyond chance, relative. [-]"""
 
+HELD_SHARE = 0.7
+"""Of the error that is asked for, most that may stand for what is not known of that; the rest is for the samples. [-]"""
+
 LEAST_ERROR = 0.005
 """Error below which full paths are asked. [-]"""
 
@@ -51,6 +54,7 @@ class Choice:
     uses_cells : bool or None    None: not before some paths have told what is needed, see `leaves`.
     reason : str    For people.
     paths : float    Full paths of all sensors that would be needed; 0 while it is not known.
+    error : float    Relative error that a sensor will have; infinite while it is not known. [-]
 
     Raises
     ------
@@ -60,7 +64,7 @@ class Choice:
     def __init__(self, scene, rule: StopRule, count: int, method: str, reflections: int | None):
         if method not in METHODS:
             raise SceneError(f"method is '{method}', expected {' or '.join(METHODS)}")
-        self.rule, self._count, self.paths = rule, count, 0.0
+        self.rule, self._count, self.paths, self.error = rule, count, 0.0, np.inf
         self.uses_cells, self.reason = self._begin(scene, method, reflections)
 
     def leaves(self, brightness: Estimate, clock: Clock) -> bool:
@@ -73,7 +77,8 @@ class Choice:
         if needed is not None:
             if (needed - brightness.samples) * self._count < FEWEST_PATHS:
                 return False
-            if self._expected_error(brightness, needed) < LEAST_ERROR:
+            self.error = self._expected_error(brightness, needed)
+            if self.error < LEAST_ERROR:
                 self.uses_cells = False
                 self.reason = f"an error below {100.0 * LEAST_ERROR:g} % is more than cells can promise: {PATHS}"
                 return False
@@ -81,10 +86,22 @@ class Choice:
         self.uses_cells, self.reason = True, f"{CELLS}; the bias is measured"
         return True
 
-    def refuse(self, beyond: float) -> None:
-        """Take note that cells are off by more than is allowed. [-]"""
+    @property
+    def most_held(self) -> float:
+        """Most that errors may hold for what cells are off by. [-]"""
+        return HELD_SHARE * self.error
+
+    def refuse(self, bias) -> None:
+        """Take note that cells are off by more than is allowed, or may be. ``bias``: a `cell_job.Bias`."""
         self.uses_cells = False
-        self.reason = f"cells would be off by {100.0 * beyond:.2g} %, more than the {100.0 * BUDGET:g} % allowed: {PATHS}"
+        if bias.beyond > BUDGET:
+            told = f"would be off by {100.0 * bias.beyond:.2g} %, more than the {100.0 * BUDGET:g} % allowed"
+        else:
+            told = (
+                f"may be off by {100.0 * bias.held:.2g} % for all that could be told, too much of an error of "
+                f"{100.0 * self.error:.2g} %"
+            )
+        self.reason = f"cells {told}: {PATHS}"
 
     # ---- private ----
 
