@@ -102,7 +102,8 @@ def _sum_up(made: dict) -> dict:
     """The results with what is judged by."""
     ratios = [row["full_seconds"] / row["seconds"] for row in made["scenes"].values()]
     # In their own order, whichever were measured anew.
-    in_order = {key: made["scenes"][key] for key in BUILDERS if key in made["scenes"]}
+    place = {key: number for number, key in enumerate(BUILDERS)}
+    in_order = dict(sorted(made["scenes"].items(), key=lambda each: place.get(each[0], len(place))))
     return made | {
         "scenes": in_order,
         "speedup": geometric_mean(ratios) if ratios else None,
