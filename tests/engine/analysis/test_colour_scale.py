@@ -24,7 +24,10 @@ def test_numbers_are_round(scale, ticks):
 def test_equal_ratios_take_equal_parts():
     scale = ColourScale(10.0, 1000.0, "cd/m²", is_log=True)
     expected = false_colour.colours(np.array([0.0, 0.5, 1.0, 0.0, 1.0]), 0.0, 1.0)
-    np.testing.assert_array_equal(scale.colours([10.0, 100.0, 1000.0, 0.0, 1e9]), expected)
+    found = scale.colours([10.0, 100.0, 1000.0, 0.0, 1e9])
+    # A logarithm's last digit, which is not the same on all processors, may round to the next level.
+    np.testing.assert_allclose(found.astype(int), expected.astype(int), atol=1)
+    np.testing.assert_array_equal(found[[0, 2]], expected[[0, 2]])
 
 
 def test_dark_values_have_a_scale():
