@@ -29,7 +29,7 @@ GROWTH = 8
 SWEEP_SHARE = 0.15
 """Paths of later sweeps over the cells, relative to the samples of the job. [-]"""
 
-CHECK_SHARE, FEWEST_CHECKS, MOST_CHECKS = 0.06, 1 << 15, 1 << 22
+CHECK_SHARE, FEWEST_CHECKS, MOST_CHECKS = 0.06, 1 << 17, 1 << 22
 """Samples of all receivers that compare cells with full paths, relative to those that paths would take, and bounds: what is
 known of the bias is then a fixed part of the error that is asked for."""
 
