@@ -80,18 +80,16 @@ class AimedLight:
 
 @dataclass(frozen=True)
 class Lines:
-    """Last lines on which light arrives at what it lights, of some paths of the pilot.
+    """Last lines on which light arrives at what it lights, of the pilot's paths.
 
     Parameters
     ----------
     start, end : (m, 3) array    Where they leave what bends them, and where they land, in the scene's frame. [m]
-    flux : (m,) array    [lm]
     light : (m,) array    Places of their lights among those that are aimed at.
     """
 
     start: np.ndarray
     end: np.ndarray
-    flux: np.ndarray
     light: np.ndarray
 
 
@@ -115,18 +113,18 @@ def find_aimed_lights(scene, rays: EmissionRays, sampler) -> tuple[list[AimedLig
         made.append((AimedLight(light, name, flux, size, aims), lines))
     made.sort(key=lambda each: -each[0].flux)
     if not made:
-        return [], Lines(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0), np.zeros(0, dtype=int))
+        return [], Lines(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0, dtype=int))
     return [aimed for aimed, _ in made], join_lines([lines for _, lines in made])
 
 
 def join_lines(of_lights: list[dict]) -> Lines:
     """Lines of all lights together, see `light_paths.send_pilot`."""
-    start, direction, way, flux = (
+    start, direction, way = (
         np.concatenate([lines[name] for lines in of_lights])
-        for name in ("start", "direction", "way", "flux")
+        for name in ("start", "direction", "way")
     )
-    number = np.repeat(np.arange(len(of_lights)), [len(lines["flux"]) for lines in of_lights])
-    return Lines(start, start + direction * way[:, None], flux, number)
+    number = np.repeat(np.arange(len(of_lights)), [len(lines["way"]) for lines in of_lights])
+    return Lines(start, start + direction * way[:, None], number)
 
 
 def _size_of(light: TracedLight, lines: dict, scene) -> float:
