@@ -7,7 +7,7 @@ OUT ?= out
 export VENV
 
 .DEFAULT_GOAL := help
-.PHONY: help setup demo scenes luminaires materials test test-slow test-all validate mutations lint extension denoiser zips-check weaknesses smoke farm enabling viewer page-pictures viewport surroundings panels docs-screenshots
+.PHONY: help setup demo scenes luminaires materials test test-slow test-all validate mutations lint extension denoiser cluster zips-check weaknesses smoke farm enabling viewer page-pictures viewport surroundings panels docs-screenshots
 
 help: ## this list
 	@echo "make TARGET, where TARGET is one of:"
@@ -59,9 +59,13 @@ extension: setup ## build the extension's zips for this platform into dist/
 denoiser: setup ## build the denoiser pack for this platform, an extension of its own, into dist/
 	$(PYTHON_IN_VENV) packaging/denoiser_pack.py
 
+cluster: setup ## build the cluster pack for this platform, an extension of its own, into dist/
+	$(PYTHON_IN_VENV) packaging/cluster_pack.py
+
 zips-check: setup ## build the zips of all systems into dist/, check them by reading, and print what was found
 	$(PYTHON_IN_VENV) packaging/build_extension.py --all
 	$(PYTHON_IN_VENV) packaging/denoiser_pack.py --all
+	$(PYTHON_IN_VENV) packaging/cluster_pack.py --all
 	$(PYTHON_IN_VENV) packaging/platform_report.py
 
 weaknesses: setup ## look the pinned versions up among known weaknesses: folders or zips in OSV's form, DATA="all.zip ..."

@@ -93,8 +93,26 @@ class LumenrayReportRow(PropertyGroup):
     )
 
 
+class LumenrayClusterWorker(PropertyGroup):
+    """A worker of the cluster; its name is its address."""
+
+    silence: FloatProperty(
+        name="Silence", description="Time since it was last heard, in seconds", min=0.0
+    )
+
+
+class LumenrayCluster(PropertyGroup):
+    """The cluster as it was last seen."""
+
+    is_known: BoolProperty(name="Known", description="Whether it was looked for")
+    address: StringProperty(name="Address", description="Where it was looked for")
+    workers: CollectionProperty(type=LumenrayClusterWorker)
+
+
 class LumenrayFeedback(PropertyGroup):
     """All of it; the indices are the active rows of the lists."""
+
+    cluster: PointerProperty(type=LumenrayCluster)
 
     engine: PointerProperty(type=LumenrayEngineStatus)
     job: PointerProperty(type=LumenrayJob)
@@ -124,6 +142,17 @@ def show_render(window_manager, text: str) -> None:
     """Show how well the last picture is known, where it is looked at."""
     window_manager.lumenray.render = text
     redraw("IMAGE_EDITOR", "PROPERTIES")
+
+
+def show_workers(window_manager, address: str, workers) -> None:
+    """Show who computes at a cluster. ``workers``: addresses, and for how long each has not been heard. [s]"""
+    cluster = window_manager.lumenray.cluster
+    cluster.is_known, cluster.address = True, address
+    cluster.workers.clear()
+    for name, silence in workers:
+        row = cluster.workers.add()
+        row.name, row.silence = name, silence
+    redraw("PROPERTIES")
 
 
 def begin_job(window_manager) -> None:
@@ -228,6 +257,8 @@ CLASSES = (
     LumenrayEngineStatus,
     LumenrayJob,
     LumenrayReportRow,
+    LumenrayClusterWorker,
+    LumenrayCluster,
     LumenrayFeedback,
 )
 

@@ -106,6 +106,29 @@ class LumenrayPreferences(bpy.types.AddonPreferences):
         subtype="FILE_PATH",
     )
 
+    cluster_address: StringProperty(
+        name="Cluster",
+        description=(
+            "Address of the scheduler whose workers compute, such as tls://render.office:8786; tcp://127.0.0.1:8786 for one "
+            "on this computer, which 'lumenray cluster local' starts. Default empty: there is none"
+        ),
+    )
+    cluster_authority: StringProperty(
+        name="Authority",
+        description="Certificate in PEM of whom this computer and the cluster both trust; needed off this computer",
+        subtype="FILE_PATH",
+    )
+    cluster_certificate: StringProperty(
+        name="Certificate",
+        description="Own certificate in PEM, made by that authority; needed off this computer",
+        subtype="FILE_PATH",
+    )
+    cluster_key: StringProperty(
+        name="Key",
+        description="Key in PEM of the own certificate; needed off this computer",
+        subtype="FILE_PATH",
+    )
+
     show_steps: BoolProperty(
         name="Show First Steps",
         description=(

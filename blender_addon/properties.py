@@ -248,6 +248,14 @@ class LumenraySceneSettings(PropertyGroup):
         max=2**31 - 1,
         update=redraw_views,
     )
+    use_cluster: BoolProperty(
+        name="Compute on the Cluster",
+        description=(
+            "Have the workers of your cluster compute pictures, lux maps, sensors and the daylight of a year; live views "
+            "and tables of materials stay on this computer. Default off: nothing leaves it"
+        ),
+        default=False,
+    )
     transport: EnumProperty(
         name="Transport",
         description=(

@@ -16,9 +16,11 @@ class BackgroundOperator:
     ----------
     job_name : str    Of the job and of its engine's process.
     what : str    Told where it is cancelled.
+    is_shared : bool    Whether a cluster does the job, where the scene wants one.
     """
 
     job_name = what = ""
+    is_shared = False
     _job = _running = None
 
     def execute(self, context):
@@ -26,7 +28,7 @@ class BackgroundOperator:
         try:
             self._prepare(context)
             if self._job is not None:
-                session = engine_process.open_session(self.job_name)
+                session = self._open_session(context)
                 try:
                     self._job.run(session)
                 finally:
@@ -43,7 +45,7 @@ class BackgroundOperator:
             self._prepare(context)
             if self._job is None:
                 return self._finish(context)
-            self._running = self._begin(engine_process.open_session(self.job_name))
+            self._running = self._begin(self._open_session(context))
         except LumenrayError as error:
             return self._refuse(error)
         self._running.begin_signals(context)
@@ -69,6 +71,9 @@ class BackgroundOperator:
     def cancel(self, context):
         """Blender closes or loads a file."""
         self._end(context)
+
+    def _open_session(self, context):
+        return engine_process.open_session(self.job_name, context.scene if self.is_shared else None)
 
     def _begin(self, session) -> background_job.BackgroundJob:
         """Begin the job in an empty session, which is closed at the end."""

@@ -116,7 +116,7 @@ class LUMENRAY_OT_bake_illuminance(bpy.types.Operator):
         """Bake at once and return when done; for scripts."""
         try:
             job = self._prepare(context)
-            session = engine_process.open_session("bake")
+            session = engine_process.open_session("bake", context.scene)
             try:
                 job.run(session)
             finally:
@@ -133,7 +133,8 @@ class LUMENRAY_OT_bake_illuminance(bpy.types.Operator):
         manager = context.window_manager
         try:
             job = self._prepare(context)
-            self._bake = running_bake.start(job, engine_process.open_session("bake"), manager)
+            session = engine_process.open_session("bake", context.scene)
+            self._bake = running_bake.start(job, session, manager)
         except LumenrayError as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}

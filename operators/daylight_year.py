@@ -19,6 +19,7 @@ class LUMENRAY_OT_daylight_year(BackgroundOperator, bpy.types.Operator):
     # Not REGISTER: whatever is touched in the redo panel would compute again.
     bl_options = {"UNDO"}
     job_name, what = running.NAME, "Year"
+    is_shared = True
 
     @classmethod
     def poll(cls, context):

@@ -22,6 +22,7 @@ class LUMENRAY_OT_measure_sensors(BackgroundOperator, bpy.types.Operator):
     # Not REGISTER: whatever is touched in the redo panel would measure again.
     bl_options = {"UNDO"}
     job_name, what = running.NAME, "Measuring"
+    is_shared = True
     _measuring = None
 
     @classmethod

@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 from archive import drop_building, narrow_manifest, source_files, write_zip
-from built_wheels import BUILT, downloaded_pins, make_wheels
+from built_wheels import BUILT, cluster_pins, downloaded_pins, make_wheels
 from judge import judge_zip
 from package_index import UnreachableIndexError
 from project import ROOT, BuildError, Project, read_project
@@ -18,24 +18,28 @@ from wheels import LOCK, fetch_wheels, read_lock, update_lock
 
 
 def update(targets, project: Project) -> str:
-    """Record the wheels of targets and their denoiser packs, and all sources, anew; return a line about it.
+    """Record the wheels of targets and of their packs, and all sources, anew; return a line about it.
 
     Wheels of other targets stay recorded as long as their version is still the pinned one.
     """
     systems = {target.platform for target in targets}
     targets = [*targets, *(target for target in pack_targets() if target.platform in systems)]
 
+    def pins_of(target: Target) -> list:
+        own = downloaded_pins(project, target)
+        return own if target in pack_targets() else own + cluster_pins(project, target)
+
     def still_wanted(file) -> bool:
         return any(
             file.fits(*pin, other)
             for other in (*all_targets(), *pack_targets())
             if other not in targets
-            for pin in downloaded_pins(project, other)
+            for pin in pins_of(other)
         )
 
     sources = {name for each in BUILT for name in each.sources}
     update_lock(
-        [(downloaded_pins(project, target), target) for target in targets],
+        [(pins_of(target), target) for target in targets],
         [pin for pin in project.pins if pin[0] in sources],
         still_wanted,
     )
@@ -65,28 +69,36 @@ def select_targets(options) -> list[Target]:
     return [Target(system, tag) for tag in PYTHONS if options.python in (None, tag)]
 
 
-def parse_arguments(arguments):
+def parse_arguments(description: str, can_update: bool, arguments):
     """Return the parsed command line."""
-    parser = argparse.ArgumentParser(description="Build the Blender extension.")
+    parser = argparse.ArgumentParser(description=description)
     parser.add_argument("--platform", choices=PLATFORM_TAGS, help="default: this machine's")
     parser.add_argument("--python", choices=PYTHONS, help="Python tag; default: all")
     parser.add_argument("--all", action="store_true", help="every platform and Python tag")
-    parser.add_argument("--update", action="store_true", help="record the wheels' sums anew")
     parser.add_argument("--output", type=Path, default=ROOT / "dist", help="folder of the zips")
+    if can_update:
+        parser.add_argument("--update", action="store_true", help="record the wheels' sums anew")
     return parser.parse_args(arguments)
 
 
-def main(arguments=None) -> int:
+def run_targets(description: str, build, update=None, arguments=None) -> int:
     """Build what the command line asks for, each target even if another cannot be; return the exit status.
 
     Where the package index cannot be reached, all ends at the first target that needs it.
+
+    Parameters
+    ----------
+    description : str    Of the command.
+    build : callable    ``build(target, project, folder)`` returns a line about what it has made, or raises `BuildError`.
+    update : callable or None    ``update(targets, project)`` records sums in place of that, where the command can.
     """
-    options = parse_arguments(arguments)
+    name = Path(sys.argv[0]).stem
+    options = parse_arguments(description, update is not None, arguments)
     status = 0
     try:
         targets = select_targets(options)
         project = read_project()
-        if options.update:
+        if update is not None and options.update:
             print(update(targets, project))
             return 0
         options.output.mkdir(parents=True, exist_ok=True)
@@ -96,12 +108,17 @@ def main(arguments=None) -> int:
             except UnreachableIndexError:
                 raise
             except BuildError as error:
-                print(f"build_extension: {target}: {error}", file=sys.stderr)
+                print(f"{name}: {target}: {error}", file=sys.stderr)
                 status = 1
     except BuildError as error:
-        print(f"build_extension: {error}", file=sys.stderr)
+        print(f"{name}: {error}", file=sys.stderr)
         return 1
     return status
+
+
+def main(arguments=None) -> int:
+    """Build the extension, or record sums; return the exit status."""
+    return run_targets("Build the Blender extension.", build, update, arguments)
 
 
 if __name__ == "__main__":

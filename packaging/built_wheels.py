@@ -64,12 +64,25 @@ LEFT_OUT = {
 """Packages that a target does without, and what that means."""
 
 
+METADATA = ("importlib_metadata", "lazy-importer", "zipp")
+"""Packages by which Dask reads what is installed where Python cannot do so well enough itself."""
+
+OWN_METADATA = ("cp313", "cp314")
+"""Pythons that can."""
+
+
 def downloaded_pins(project: Project, target: Target) -> list:
     """Return the pinned packages whose wheels come from the index; without a Python those of the denoiser pack."""
     if target.python == ANY_PYTHON:
         return [project.denoiser]
     made = {each.name for each in BUILT if target in each.targets}
     return [pin for pin in project.pins if pin[0] not in made and (target, pin[0]) not in LEFT_OUT]
+
+
+def cluster_pins(project: Project, target: Target) -> list:
+    """Return the packages of the cluster pack for a target."""
+    own = target.python in OWN_METADATA
+    return [pin for pin in project.cluster if not (own and pin[0] in METADATA)]
 
 
 def make_wheels(project: Project, target: Target, recorded) -> list[Path]:

@@ -21,7 +21,7 @@ from targets import ANY_PYTHON, PLATFORM_TAGS, Target, runs_on
 from wheels import tags_of
 
 ZIP_NAME = (
-    r"lumenray(?:-denoiser)?-(?P<version>\d[^-]*)"
+    r"lumenray(?:-(?P<pack>denoiser|cluster))?-(?P<version>\d[^-]*)"
     rf"-(?P<platform>{'|'.join(PLATFORM_TAGS)})(?:-(?P<python>cp\d+))?\.zip"
 )
 """How a zip tells what it is for; the denoiser pack serves every Python."""
@@ -41,6 +41,7 @@ class Inspection:
 
     Parameters
     ----------
+    pack : str    Which one it is, such as ``denoiser-``; empty for the extension itself.
     target : Target    With ``py3`` for the Python where any will do.
     size : int    Of the zip. [byte]
     files : int    That Blender writes when it installs the zip, those of the wheels included.
@@ -50,6 +51,7 @@ class Inspection:
     """
 
     name: str
+    pack: str
     target: Target
     size: int
     files: int
@@ -98,7 +100,10 @@ def check_zip(path: Path, version: str) -> Inspection:
             libraries += own
     _check_imports(path.name, libraries, target)
     needs, newer = _measure_needs(libraries)
-    return Inspection(path.name, target, path.stat().st_size, files, tuple(libraries), needs, newer)
+    pack = re.fullmatch(ZIP_NAME, path.name)["pack"]
+    pack = f"{pack}-" if pack else ""
+    size = path.stat().st_size
+    return Inspection(path.name, pack, target, size, files, tuple(libraries), needs, newer)
 
 
 @contextmanager
@@ -148,7 +153,7 @@ def _check_wheel(
         raise BuildError(f"{where}: the wheel {name} is not for {target}")
     with _opened(f"{where}: the wheel {name}", io.BytesIO(content)) as wheel:
         names = safe_names(name, wheel)
-        if not any(re.search(r"\.dist-info/.*LICENSE", each) for each in names):
+        if not any(re.search(r"\.dist-info/.*(LICENSE|COPYING)", each) for each in names):
             raise BuildError(f"{where}: the wheel {name} has no text of its licence")
         libraries = [read_library(each, wheel.read(each)) for each in sorted(names)]
     return len(names), [each for each in libraries if each is not None]

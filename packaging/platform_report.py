@@ -83,9 +83,7 @@ def rows_of(found: list[Inspection]) -> list[tuple]:
     measured = read_measured()
     rows = []
     for each in found:
-        is_pack = each.target.python == ANY_PYTHON
-        key = f"denoiser-{each.target.platform}" if is_pack else str(each.target)
-        known = measured.get(key, {})
+        known = measured.get(each.pack + str(each.target).removesuffix(f"-{ANY_PYTHON}"), {})
         rows.append(
             (
                 each.name,

@@ -17,8 +17,9 @@ LINUX = {
 
 WINDOWS = {
     # Windows itself.
-    "advapi32.dll", "bcrypt.dll", "cfgmgr32.dll", "dbghelp.dll", "gdi32.dll", "kernel32.dll", "ntdll.dll", "ole32.dll",
-    "oleaut32.dll", "psapi.dll", "shell32.dll", "shlwapi.dll", "user32.dll", "version.dll", "wintrust.dll", "ws2_32.dll",
+    "advapi32.dll", "bcrypt.dll", "cfgmgr32.dll", "dbghelp.dll", "gdi32.dll", "iphlpapi.dll", "kernel32.dll", "ntdll.dll",
+    "ole32.dll", "oleaut32.dll", "pdh.dll", "powrprof.dll", "psapi.dll", "shell32.dll", "shlwapi.dll", "user32.dll",
+    "version.dll", "wintrust.dll", "ws2_32.dll",
     # The Visual C++ runtime. Blender brings it in blender.crt beside its program; most other programs install it into
     # the system. Without it not even Blender's own python.exe starts.
     "msvcp140.dll", "vcruntime140.dll", "vcruntime140_1.dll",
@@ -30,7 +31,7 @@ WINDOWS_PATTERN = r"api-ms-win-[a-z0-9-]+\.dll"
 
 MACOS_PATTERN = (
     r"/usr/lib/(libSystem\.B|libc\+\+\.1|libobjc\.A|libz\.1|libbz2\.1\.0)\.dylib"
-    r"|/System/Library/Frameworks/(Accelerate|CoreFoundation|Foundation|Metal|MetalPerformanceShaders)"
+    r"|/System/Library/Frameworks/(Accelerate|CoreFoundation|Foundation|IOKit|Metal|MetalPerformanceShaders)"
     r"\.framework/.*"
 )
 """Libraries and frameworks that macOS has in every version since 11."""
@@ -64,6 +65,7 @@ def is_of_system(library: str, target: Target) -> bool:
     name = library.lower()
     return (
         name in WINDOWS
-        or name == f"python{target.python[2:]}.dll"
+        # Blender has both beside its program; the second serves extension modules for many versions of Python.
+        or name in (f"python{target.python[2:]}.dll", "python3.dll")
         or re.fullmatch(WINDOWS_PATTERN, name) is not None
     )

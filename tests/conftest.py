@@ -176,5 +176,5 @@ def fake_engine(monkeypatch):
     from lumenray.blender_addon.foundation import engine_process
 
     session = FakeSession()
-    monkeypatch.setattr(engine_process, "open_session", lambda _: session)
+    monkeypatch.setattr(engine_process, "open_session", lambda *_: session)
     return session

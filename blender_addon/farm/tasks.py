@@ -131,7 +131,7 @@ def bake() -> None:
     job = bake_job.prepare(bpy.context.evaluated_depsgraph_get(), objects, settings)
     is_accepting = "accept" in words.values
     assumptions.refuse_missing(job.report, is_accepting)
-    session = engine_process.open_session("bake")
+    session = engine_process.open_session("bake", scene)
     try:
         job.run(session)
     finally:

@@ -7,6 +7,7 @@ from pathlib import Path
 from bpy.app.handlers import persistent
 
 from ...imports import loaded_when_used
+from .cluster_place import place_of
 from .handlers import leave, listen
 from .preferences import device, memory_limit
 
@@ -15,6 +16,9 @@ with loaded_when_used():
 
 ROOT = Path(__file__).resolve().parents[2]
 """Folder of the package, which has other names inside Blender."""
+
+SESSIONS = "lumenray.engine.cluster.shared_session:make_session"
+"""What makes the sessions of the worker: such as can have a cluster compute."""
 
 
 @dataclass
@@ -28,20 +32,26 @@ class _State:
 _state = _State()
 
 
-def open_session(name: str) -> "client.RemoteSession":
+def open_session(name: str, scene=None) -> "client.RemoteSession":
     """Return the engine's session of a name, an empty one if it is new. Starts the worker if need be.
+
+    ``scene``: whose jobs these are, so that the cluster does them if the scene wants that; None: they stay here.
 
     Raises
     ------
     EngineLost    The worker cannot be started; the text says why.
+    LumenrayError    As of `place_of`.
     """
+    place = None if scene is None else place_of(scene)
     if _state.worker is None:
-        _state.worker = client.Worker(ROOT)
+        _state.worker = client.Worker(ROOT, factory=SESSIONS)
     if not _state.worker.is_alive:
         _state.worker.memory_limit = memory_limit()
         _state.worker.device = device() or _state.device
         _state.worker.start()
-    return _state.worker.session(name)
+    session = _state.worker.session(name)
+    session.join(place)
+    return session
 
 
 def note_device(key: str) -> None:

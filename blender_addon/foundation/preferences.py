@@ -51,6 +51,19 @@ def constituents() -> Path | None:
     return Path(bpy.path.abspath(name)) if name else None
 
 
+def cluster() -> tuple[str, str, str, str]:
+    """Return the address of the user's cluster and the files that prove who is who, each empty where there is none."""
+    preferences = own()
+    if preferences is None:
+        return "", "", "", ""
+    files = (
+        preferences.cluster_authority,
+        preferences.cluster_certificate,
+        preferences.cluster_key,
+    )
+    return preferences.cluster_address.strip(), *(bpy.path.abspath(name) for name in files)
+
+
 def device() -> str:
     """Return the key of the device that the user has chosen, empty for the first that works."""
     preferences = own()

@@ -224,7 +224,7 @@ class LumenrayRenderEngine(bpy.types.RenderEngine):
 
     def _convert(self, depsgraph):
         """Give the scene to the engine; returns its feed, the shutter or None, the camera and the conversion report."""
-        feed, report = _final_feed(), ConversionReport()
+        feed, report = _final_feed(depsgraph.scene), ConversionReport()
         shutter = shutters.shutter_of(depsgraph.scene, depsgraph.view_layer_eval)
         feed.sync.is_blurred = shutter is not None
         # What is not to be blurred stands as it does halfway, as in Cycles.
@@ -358,11 +358,12 @@ keeps_reports = False
 """Whether every picture on disk has its report beside it, also where nothing is missing of it: farms make tables of them."""
 
 
-def _final_feed() -> SceneFeed:
+def _final_feed(scene) -> SceneFeed:
     """Return the feed of renders; frames of an animation share one, so that each sends only what moves."""
     global _final  # noqa: PLW0603 - one render runs at a time
-    if _final is None or _final.session.is_lost:
-        _final = SceneFeed(engine_process.open_session("render"), final=True)
+    session = engine_process.open_session("render", scene)
+    if _final is None or _final.session is not session:
+        _final = SceneFeed(session, final=True)
     return _final
 
 

@@ -72,7 +72,8 @@ def begin(context) -> None:
         return
     try:
         job, _ = asked.prepare(context.evaluated_depsgraph_get(), empties)
-        _state.measuring = running.Measuring(job, engine_process.open_session("sensors"))
+        session = engine_process.open_session("sensors", context.scene)
+        _state.measuring = running.Measuring(job, session)
     except LumenrayError as error:
         # The readings stay grey; the button says what is wrong.
         log.info("sensors are not measured again: %s", error)

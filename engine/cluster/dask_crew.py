@@ -46,7 +46,8 @@ def load_dask():
         import distributed
     except ImportError as error:
         raise LumenrayError(
-            f"clusters need Dask, which is not installed ({error}): install it with 'pip install lumenray[cluster]'"
+            f"clusters need Dask, which is not installed ({error}): install the zip lumenray-cluster for this Blender as "
+            "you did Lumenray's, or without Blender 'pip install lumenray[cluster]'"
         ) from None
     dask.config.set(SETTINGS)
     # It tells at length what is told here in one sentence.

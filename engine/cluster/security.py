@@ -59,7 +59,8 @@ def read_address(text: str) -> Address:
     except ValueError:
         host, port = None, None
     is_more = host and (parts.path or parts.query or parts.fragment or parts.username)
-    if not host or is_more or parts.scheme not in ("tcp", "tls"):
+    is_word = host and not any(letter.isspace() for letter in host)
+    if not is_word or is_more or parts.scheme not in ("tcp", "tls"):
         raise LumenrayError(
             f"'{text}' is no address of a cluster: expected tls://HOST:PORT, or tcp://127.0.0.1:PORT on this machine"
         )

@@ -62,13 +62,15 @@ class ClusterSession:
     ----------
     crew : Crew
     name : str    Unlike those of all other sessions of the crew's workers; empty: drawn.
+    interrupt : callable or None    Called while workers are waited for, as of `engine.session.Session`.
     """
 
-    def __init__(self, crew: Crew, name: str = ""):
+    def __init__(self, crew: Crew, name: str = "", interrupt: Callable[[], None] | None = None):
         self.scene = Scene()
         self.revision = 0
         self._name = name or secrets.token_hex(8)
         self._crew, self._dispatcher = crew, Dispatcher(crew)
+        self._interrupt = interrupt
         self._deltas: dict[int, SceneDelta] = {}
         self._parcels: dict[int | None, bytes] = {}
         self._jobs = itertools.count()
@@ -245,7 +247,7 @@ class ClusterSession:
             if job.is_done(sums.samples, relative) or is_close:
                 break
         states = sums.finished(rule, job.clock.seconds)
-        self._own = Session()
+        self._own = Session(interrupt=self._interrupt)
         self._own.apply(self.scene.snapshot())
         try:
             return self._own.bake_objects(replace(order, checkpoint=None), progress, states=states)
@@ -306,6 +308,8 @@ class ClusterSession:
                     has_any = True
                     yield answer[1]
                 job.tell(len(self._crew.workers()))
+                if self._interrupt is not None:
+                    self._interrupt()
                 if has_any and (self._stop or job.is_out_of_time):
                     return
         finally:

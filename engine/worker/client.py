@@ -83,6 +83,22 @@ class RemoteSession:
         self._check()
         self._link.apply(self.name, delta)
 
+    def join(self, place: tuple[str, str, str, str] | None) -> None:
+        """Have a cluster do what takes long from the next job on, None: this machine; by sessions that know how.
+
+        ``place``: address, and the names of three files, as of `cluster.shared_session.ClusterPlace`.
+
+        Raises
+        ------
+        EngineLost    The worker is gone: start it again and send the whole scene.
+        """
+        self._check()
+        self._link.post("join", self.name, place)
+
+    def list_workers(self) -> tuple[tuple[str, float], ...]:
+        """Workers of the cluster that was joined, as of `cluster.shared_session.SharedSession`. Raises as `render`."""
+        return self._wait("list_workers", (), {}, None, None)
+
     def cancel(self) -> None:
         """Ask the session's jobs to end; whoever waits for them gets `Cancelled`."""
         self._link.cancel_session(self.name)

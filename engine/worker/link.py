@@ -33,6 +33,7 @@ LOG_LINES = 50
 JOB_NAMES = {
     "status": "check",
     "explain": "choice of models",
+    "list_workers": "question for workers",
     "render": "render",
     "write_spectral": "writing of a spectral picture",
     "mix_maps": "mixing of maps",

@@ -23,6 +23,7 @@ from .channel import Channel, Message
 JOBS = {
     "status": 0,
     "explain": 0,
+    "list_workers": 0,
     "render": 1,
     "write_spectral": 1,
     "mix_maps": 1,
@@ -37,7 +38,7 @@ JOBS = {
 }
 """Jobs that are answered, and how urgent they are: the lower, the sooner."""
 
-CHANGES = ("apply", "watch", "unwatch", "close")
+CHANGES = ("apply", "join", "watch", "unwatch", "close")
 """Orders that take no time to speak of and are not answered."""
 
 LEAST_URGENT = 1 << 30
@@ -281,6 +282,8 @@ class Server:
             session, body = self._session(desk), _body_of(order)
             if order.kind == "apply":
                 session.apply(body)
+            elif order.kind == "join":
+                session.join(body)
             elif order.kind == "watch":
                 desk.view_number = order.number
                 session.watch(*body)
@@ -303,6 +306,9 @@ class Server:
                 self._desks[desk.name] = fresh
             else:
                 del self._desks[desk.name]
+        close = getattr(desk.session, "close", None)
+        if close is not None:
+            close()
         desk.session = None
         _free_memory()
 

@@ -289,7 +289,7 @@ def frame(tmp_path, monkeypatch):
         def close(self):
             pass
 
-    monkeypatch.setattr(engine_process, "open_session", lambda _: Near())
+    monkeypatch.setattr(engine_process, "open_session", lambda *_: Near())
 
     def render():
         scene = bpy.context.scene

@@ -45,7 +45,7 @@ def quad_mesh():
 
 
 def test_a_bake_without_a_window_prints_the_conversion_report(monkeypatch, tmp_path, capfd):
-    monkeypatch.setattr(engine_process, "open_session", lambda _: FakeSession())
+    monkeypatch.setattr(engine_process, "open_session", lambda *_: FakeSession())
     add_quad("Floor")
     add_sketch()
     bpy.ops.lumenray.bake_illuminance(objects="Floor", folder=str(tmp_path), error=0.05)
@@ -59,7 +59,7 @@ def test_a_bake_without_a_window_prints_a_missed_goal(monkeypatch, tmp_path, cap
     session = FakeSession()
     real = session.bake_objects
     monkeypatch.setattr(session, "bake_objects", lambda *a: replace(real(*a), shortfall=stopped))
-    monkeypatch.setattr(engine_process, "open_session", lambda _: session)
+    monkeypatch.setattr(engine_process, "open_session", lambda *_: session)
     add_quad("Floor")
     bpy.ops.lumenray.bake_illuminance(objects="Floor", folder=str(tmp_path), error=0.01, time=9.0)
     said = capfd.readouterr().out

@@ -81,7 +81,7 @@ def press(monkeypatch, tmp_path):
 
     def press(session):
         add_quad("Floor")
-        monkeypatch.setattr(engine_process, "open_session", lambda _: session)
+        monkeypatch.setattr(engine_process, "open_session", lambda *_: session)
         app = types.SimpleNamespace(background=False)
         blender = types.SimpleNamespace(app=app, data=bpy.data, path=bpy.path)
         monkeypatch.setattr(bake_illuminance, "bpy", blender)

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Builds the extension's zip and installs it into a real Blender with fresh settings.
+# Builds the zips of the extension and of its cluster pack and installs them into a real Blender with fresh settings.
 #
 #   VENV, LUMENRAY_OUT, LUMENRAY_PROFILE   as for blender.sh and run_smoke.sh
 set -euo pipefail
@@ -31,8 +31,11 @@ step "the extension for its Python ($tag)"
 rm -rf "${LUMENRAY_OUT:?}/$LUMENRAY_PROFILE" "$LUMENRAY_OUT/zip"
 "$VENV/bin/python" "$project/packaging/build_extension.py" --platform linux-x64 --python "$tag" \
   --output "$LUMENRAY_OUT/zip"
-zip="$(basename "$LUMENRAY_OUT"/zip/*.zip)"
-blender --command extension validate "/out/zip/$zip"
+"$VENV/bin/python" "$project/packaging/cluster_pack.py" --platform linux-x64 --python "$tag" \
+  --output "$LUMENRAY_OUT/zip"
 
 step "install and enable"
-blender -b --command extension install-file -r user_default --enable "/out/zip/$zip"
+for zip in $(cd "$LUMENRAY_OUT/zip" && ls); do
+  blender --command extension validate "/out/zip/$zip"
+  blender -b --command extension install-file -r user_default --enable "/out/zip/$zip"
+done

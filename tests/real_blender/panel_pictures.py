@@ -427,6 +427,36 @@ def renders():
     settings.bake.use_absolute = settings.bake.use_time = settings.bake.use_samples = False
 
 
+def clusters():
+    """The cluster's panel: no address, nobody there, and two workers; the tab has nothing else meanwhile."""
+    ui, settings = module("ui"), bpy.context.scene.lumenray
+    others = (*ui.render.CLASSES, *ui.bake.CLASSES, *ui.modelling.CLASSES)
+    others = [kind for kind in others if getattr(kind, "bl_context", "") == "render"]
+    for kind in reversed(others):
+        bpy.utils.unregister_class(kind)
+    own = bpy.context.preferences.addons[PACKAGE].preferences
+    yield from tab("cluster_unnamed", "RENDER")
+    jobs = module("blender_addon.foundation.background_job")
+
+    def find_workers():
+        with override(area_of("VIEW_3D")):
+            bpy.ops.lumenray.find_workers("INVOKE_DEFAULT")
+        yield from wait_for(lambda: not jobs.is_running("cluster"), "the workers", 60.0)
+
+    settings.use_cluster = True
+    with module("engine.cluster.hosts").LocalCluster(0, threads=1) as cluster:
+        own.cluster_address = str(cluster.address)
+        yield from find_workers()
+        yield from tab("cluster_empty", "RENDER")
+        cluster.add_worker()
+        cluster.add_worker()
+        yield from find_workers()
+        yield from tab("cluster_panel", "RENDER")
+    settings.use_cluster, own.cluster_address = False, ""
+    for kind in others:
+        bpy.utils.register_class(kind)
+
+
 def find_out():
     """Have decisions made."""
     with override(area_of("VIEW_3D")):
@@ -555,6 +585,7 @@ CASES = {
         inks,
         worlds,
         renders,
+        clusters,
         modelling,
         bakes,
         views,

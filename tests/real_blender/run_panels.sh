@@ -2,7 +2,7 @@
 # Takes a picture of every panel at default width in a real Blender's window, into LUMENRAY_OUT/panels, for reading.
 #
 #   run_panels.sh [PART...]     first_steps, lights, tubes, light_list, luminaires, sensors, goniometers, materials, cloths, inks, worlds,
-#                               renders, modelling, bakes, views, mixes (default: all)
+#                               renders, clusters, modelling, bakes, views, mixes (default: all)
 #   VENV, LUMENRAY_OUT          as for run_smoke.sh
 #   LUMENRAY_INSTALLED=1        the extension is there already, in LUMENRAY_PROFILE
 set -euo pipefail

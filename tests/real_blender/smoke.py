@@ -10,8 +10,9 @@ and with the bpy wheel, in which the package is called ``lumenray``::
 
     python smoke.py use FOLDER
 
-``use`` registers, appends every asset of the libraries, opens the bundled scenes, renders and bakes the closed box, bakes it
-with a luminaire that is dropped as a file, registers anew and renders again, and writes ``FOLDER/smoke.json``;
+``use`` registers, appends every asset of the libraries, opens the bundled scenes, renders and bakes the closed box, renders
+it by a worker of a cluster too, bakes it with a luminaire that is dropped as a file, registers anew and renders again, and
+writes ``FOLDER/smoke.json``;
 ``read`` adds what the render from the command line shows.
 """
 
@@ -138,6 +139,24 @@ def check_regions(folder):
     settings.use_border = False
 
 
+def render_on_cluster(package, folder):
+    """Render by a worker of a cluster, which comes with the cluster pack, and return what :func:`read_luminance` finds."""
+    hosts = importlib.import_module(f"{package.__name__}.engine.cluster.hosts")
+    scene, manager = bpy.context.scene, bpy.context.window_manager
+    preferences = bpy.context.preferences.addons[INSTALLED].preferences
+    scene.lumenray.use_cluster = True
+    with hosts.LocalCluster(1, threads=1) as cluster:
+        preferences.cluster_address = str(cluster.address)
+        result = bpy.ops.lumenray.find_workers()
+        require(result == {"FINISHED"}, f"looking for workers ended with {result}")
+        found = [row.name for row in manager.lumenray.cluster.workers]
+        require(found == [cluster.workers[0].address], f"the workers are {found}")
+        made = render(folder, "cluster")
+    scene.lumenray.use_cluster = False
+    preferences.cluster_address = ""
+    return made
+
+
 def bake(folder):
     """Bake the floor's illuminance and return its row of the report."""
     # 2 m of floor at 32 lumels a metre make a map of 64 x 64.
@@ -231,6 +250,8 @@ def use(folder):
     open_box(package)
     bpy.ops.wm.save_as_mainfile(filepath=str(folder / "box.blend"))
     measured = {"luminance": render(folder, "first"), "illuminance": bake(folder / "bake")}
+    if not IS_WHEEL:
+        measured["luminance by a cluster"] = render_on_cluster(package, folder)
     check_regions(folder)
     measured["illuminance by a luminaire"] = bake_luminaire(package, folder / "luminaire")
     register_again(package)

@@ -20,7 +20,7 @@ def _in_this_process(monkeypatch):
     """Decisions are made by an engine here; that of a process of its own is tested where it is."""
     made = []
 
-    def open_session(name):
+    def open_session(name, scene=None):
         session = Session()
         session.close = lambda: made.append(name)
         return session

@@ -136,14 +136,14 @@ def test_a_bake_that_was_stopped_and_kept_goes_on_with_another_end(tmp_path, mon
         def close(self):
             pass
 
-    monkeypatch.setattr(engine_process, "open_session", lambda _: Impatient())
+    monkeypatch.setattr(engine_process, "open_session", lambda *_: Impatient())
     options = {"objects": "Floor,Walls", "density": 6.0, "folder": str(tmp_path)}
     bpy.ops.lumenray.bake_illuminance(**options, error=0.002)
     early = baked().relative_error
     assert "0.2 %" in baked().shortfall
     assert early > 0.002
     assert baked().changed == ""
-    monkeypatch.setattr(engine_process, "open_session", lambda _: Patient())
+    monkeypatch.setattr(engine_process, "open_session", lambda *_: Patient())
     bpy.ops.lumenray.bake_illuminance(**options, error=0.02, resume=True)
     assert baked().relative_error <= 0.02
     assert baked().shortfall == ""

@@ -325,7 +325,7 @@ def test_nothing_can_be_shown_before_a_bake():
 def test_a_real_bake_is_shown_as_bright_as_it_was_computed(tmp_path, monkeypatch):
     session = Session()
     monkeypatch.setattr(session, "close", lambda: None, raising=False)
-    monkeypatch.setattr(engine_process, "open_session", lambda _: session)
+    monkeypatch.setattr(engine_process, "open_session", lambda *_: session)
     tiny.build_closed_box()
     scene = bpy.context.scene
     scene.lumenray.bake.layers = "EACH"

@@ -71,7 +71,9 @@ def test_the_engine_starts_on_what_the_probe_found_unless_another_is_chosen(monk
     started = []
     worker = client.Worker(engine_process.ROOT)
     monkeypatch.setattr(worker, "start", lambda: started.append(worker.device))
-    monkeypatch.setattr(worker, "session", lambda name: name)
+    monkeypatch.setattr(
+        worker, "session", lambda name: types.SimpleNamespace(join=lambda place: None)
+    )
     monkeypatch.setattr(engine_process._state, "worker", worker)
     feedback.note_status(bpy.context.window_manager, READY)
     engine_process.open_session("a")
