@@ -324,6 +324,18 @@ def _add_pictures(kinds) -> None:
         help="run Cycles too, where it is installed (default: yes)",
     )
     pictures.add_argument(
+        "--only-races",
+        action="store_true",
+        help="leave out bias and forecasts, as for a look at another device",
+    )
+    pictures.add_argument(
+        "--card",
+        type=Path,
+        nargs=2,
+        metavar=("CARD.json", "CORES.json"),
+        help="results of a graphics card and of processors of its machine, which are told besides",
+    )
+    pictures.add_argument(
         "--processor-time",
         action="store_true",
         help="count the processors' time, added up over their cores, on a machine that others share",
@@ -765,6 +777,7 @@ def _run_pictures(options, say) -> int:
         )
     wanted, budget = options.size or SIZE, options.budget or pictures.BUDGET
     is_part = set(scenes) != set(BUILDERS) or tuple(wanted) != SIZE or budget < pictures.BUDGET
+    is_part = is_part or options.only_races
     folder = options.output or (PARTS if is_part else DOCUMENTS)
 
     def keep(result: dict, key: str, pair) -> None:
@@ -772,8 +785,18 @@ def _run_pictures(options, say) -> int:
             pictures.write_pair(pair, key, folder)
         pictures.write_results(result, folder, options.json)
 
+    card = options.card and tuple(map(pictures.read_results, options.card))
     result = pictures.measure(
-        scenes, wanted, budget, keep, options.peers, earlier, say, options.processor_time
+        scenes,
+        wanted,
+        budget,
+        keep,
+        options.peers,
+        earlier,
+        say,
+        options.processor_time,
+        options.only_races,
+        card,
     )
     tell(tell_bars(check_bars(result)))
     _write(pictures, result, options, is_part)

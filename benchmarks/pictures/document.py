@@ -6,6 +6,7 @@ from ..common.document import BEARABLE_LOAD, make_table, tell_demands
 from ..common.statistics import Reach
 from .bars import check_bars
 from .bias import SEEDS
+from .card import tell_card
 from .chart import STYLES
 from .forecast import SHRINK, TAKEN_AT
 from .programs import CYCLES, OURS
@@ -96,6 +97,7 @@ def write_document(result: dict, path: Path) -> None:
         *_races(scenes),
         *_bias(scenes),
         *_calibration(scenes),
+        tell_card(*result["card"]) if result.get("card") else "",
         *_pictures(scenes),
     ]
     path.write_text("\n".join(part for part in parts if part), encoding="utf-8")

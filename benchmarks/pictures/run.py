@@ -21,6 +21,8 @@ def measure(
     earlier: dict | None = None,
     say=None,
     by_processor: bool = False,
+    only_races: bool = False,
+    card: tuple[dict, dict] | None = None,
 ) -> dict:
     """Measure.
 
@@ -35,28 +37,36 @@ def measure(
     earlier : dict or None    Results that are gone on with: scenes that they have in this size are not measured again.
     say : callable or None    Told in one line what was done.
     by_processor : bool    Whether all times, and the budget, are of the processors, added up over their cores.
+    only_races : bool    Whether bias and forecasts are left out.
+    card : (dict, dict) or None    Results of a graphics card and of processors of its machine, which are told besides; None:
+        those that ``earlier`` has, if any.
 
     Returns
     -------
-    dict    Plain data, for JSON: the numbers of `summary.summarise`, and ``machine``, ``size``, ``budget``, ``scenes``,
-        ``has_methods``.
+    dict    Plain data, for JSON: the numbers of `summary.summarise`, and ``machine``, ``device``, ``size``, ``budget``,
+        ``scenes``, ``has_methods``, ``card``.
     """
     from ...engine.transport import backend
 
     # Dr.Jit looks for LLVM when it is loaded, so where that lies is settled first.
-    backend.start(spectral=False)
+    variant = backend.start(spectral=False)
+    from ...engine.transport.devices import of_variant
     from .programs import has_methods
     from .scenes import BUILDERS
     from .summary import summarise
 
     say = say or (lambda _line: None)
     rows = {row["key"]: row for row in (earlier or {}).get("scenes", ())}
+    card = card or (earlier or {}).get("card")
+    device = of_variant(variant).describe()
 
     def collect() -> dict:
         ordered = [rows[key] for key in BUILDERS if key in rows]
         return {
             **summarise(ordered),
             "machine": describe_machine(),
+            "device": device,
+            "card": card,
             "size": list(size),
             "budget": budget,
             "has_methods": has_methods(),
@@ -68,22 +78,34 @@ def measure(
             say(f"{key}: taken from earlier results")
             continue
         rows[key], pair = measure_scene(
-            key, size, budget, with_peers, lambda line, k=key: say(f"{k}: {line}"), by_processor
+            key,
+            size,
+            budget,
+            with_peers,
+            lambda line, k=key: say(f"{k}: {line}"),
+            by_processor,
+            only_races,
         )
         keep(collect(), key, pair)
     return collect()
 
 
 def measure_scene(
-    key: str, size, budget: float, with_peers: bool, say, by_processor: bool = False
+    key: str,
+    size,
+    budget: float,
+    with_peers: bool,
+    say,
+    by_processor: bool = False,
+    only_races: bool = False,
 ) -> tuple[dict, list | None]:
     """Measure one scene; parameters as of `measure`.
 
     Returns
     -------
     row : dict    ``key``, ``title``, ``size``, ``budget``, ``programs``: see `race.race`, or ``refusal``; ``bias``: see
-        `bias.measure_bias`, None where there is one way only; ``forecasts``, ``stand_ins``, ``pair``, ``seconds``,
-        ``other_load``.
+        `bias.measure_bias`, None where there is one way only, or races only; ``forecasts``, ``stand_ins``, ``pair``,
+        ``seconds``, ``other_load``.
     pair : list of `programs.Made` or None    Ours and Cycles' at equal time.
     """
     from .bias import measure_bias
@@ -109,8 +131,9 @@ def measure_scene(
             made, pictures = race(programs, budget, say)
             pair = pair_at_equal_time(pictures, (OURS, CYCLES)) if CYCLES in pictures else None
             del pictures
-            forecasts = measure_forecasts(scene, budget, say)
-            bias = measure_bias(ours, plain, made[BEFORE], budget, say) if has_methods() else None
+            forecasts = [] if only_races else measure_forecasts(scene, budget, say)
+            has_bias = has_methods() and not only_races
+            bias = measure_bias(ours, plain, made[BEFORE], budget, say) if has_bias else None
         share = load.share()
     finally:
         for program in programs:

@@ -139,7 +139,7 @@ def test_a_run_keeps_each_scene_and_goes_on_with_an_earlier_one(monkeypatch):
 
     asked, kept = [], []
 
-    def measure_scene(key, size, budget, with_peers, say, by_processor):
+    def measure_scene(key, size, budget, with_peers, say, by_processor, only_races):
         asked.append(key)
         if key == "window":
             raise KeyboardInterrupt
@@ -184,3 +184,22 @@ def test_the_command_refuses_what_it_cannot_measure(capsys, tmp_path):
     assert "there is no scene palace; choose from office, cabin" in capsys.readouterr().err
     assert main(["benchmark", "pictures", "--resume", "-o", str(tmp_path)]) != 0
     assert "--resume needs --json" in capsys.readouterr().err
+
+
+def test_a_card_is_told_beside_the_processors_of_its_machine(tmp_path):
+    from lumenray.benchmarks.pictures.document import write_document
+
+    def result_of(speed, device, mean):
+        scene = made_up_scene("office", 1.0, 4.0 * speed, 1.0, 0.1)
+        scene["programs"]["Lumenray"] = row_of(0.1 * speed, 1.0) | {"mean": mean}
+        return made_up_result([scene]) | {"device": device}
+
+    whole = made_up_result() | {
+        "card": [result_of(1.0, "A card", 50.0), result_of(3.0, "Cores", 51.0)]
+    }
+    write_document(whole, tmp_path / "pictures.md")
+    text = (tmp_path / "pictures.md").read_text()
+    assert "A card, beside Cores, of one machine" in text
+    # Three times as fast at every error, and one of 1.4 standard errors of 0.1 each less.
+    assert "| x 3 | 50 and 51, -7.1 |" in text
+    assert "Lumenray: x 3; plain paths of ours: x 3." in text
