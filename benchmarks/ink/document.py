@@ -149,8 +149,7 @@ def _trend(rows) -> str:
     )
     return (
         "## Colours by the size of particles\n\n30 % of pigment in 1 um on paper of 0.9, light at 45 degrees seen along the "
-        "normal, D50; drafts. Small particles absorb more: the same amount of pigment is deeper in colour. "
-        "Larger particles are left out: in clear bands they take minutes each.\n\n"
+        "normal, D50; drafts. Small particles absorb more: the same amount of pigment is deeper in colour.\n\n"
         + table
         + "\n\n![Printed patches by the size of particles](ink_sizes.png)\n"
     )

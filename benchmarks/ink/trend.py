@@ -17,8 +17,8 @@ from ...libraries.plain_files import read_object
 
 COLOURS = ("cyan", "magenta", "yellow")
 
-SIZES = (0.0, 0.1, 0.2, 0.3)
-"""Diameters; 0: molecules. Where a layer of larger ones is clear, waves run along it for long, minutes a band. [um]"""
+SIZES = (0.0, 0.1, 0.2, 0.3, 0.45)
+"""Diameters; 0: molecules. [um]"""
 
 TIMED = {"realisations": 24, "columns": 48, "layers": 32}
 """Plan by which processes are timed."""

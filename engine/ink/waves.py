@@ -26,7 +26,8 @@ from functools import cached_property
 import numpy as np
 
 from ..errors import SceneError
-from .krylov import Found, solve_linear
+from .krylov import Found, solve_linear, solve_short
+from .resolvent import Resolvent
 
 LEAST_KEPT, MOST_KEPT = 30, 200
 """Directions that the iteration keeps before it starts anew; what strong scatterers take it learns only from many."""
@@ -41,6 +42,15 @@ MOST_ITERATIONS = 600
 
 DAMPING = 0.2
 """Absorption by which they are damped, over the largest departure of the permittivity."""
+
+STRONG = 3.0
+"""Largest departure of the permittivity from its mean from which on particles resonate by themselves."""
+
+MOST_SHORT = 6000
+"""Iterations for such."""
+
+SHORT_TOLERANCE = 0.3
+"""What is left of their equation when they end, over the tolerance: its norm counts what resonates for little."""
 
 GRAZING = 1e-6
 """Least |gamma| relative to k0: a mode that runs exactly along the layer has no amplitude of its own."""
@@ -154,15 +164,16 @@ class Waves:
         start, up, down = self._undisturbed(order)
         kept = kept_directions(start.size)
         found = solve_linear(self._disturb, start, tolerance, kept, PLAIN_ITERATIONS)
+        if found.residual > tolerance and self._is_strong:
+            return self._scatter_strongly(order, tolerance, found.iterations)
         if found.residual > tolerance:
             found = self._solve_damped(start, tolerance, found.iterations)
         if found.residual > tolerance:
-            raise SceneError(
-                f"waves of {2000.0 * np.pi / self.k0:.0f} nm do not settle in the layer: residual "
-                f"{found.residual:.2g} after {found.iterations} iterations, expected "
-                f"{tolerance:g}; change the cell's width by a hundredth, or take smaller particles or an index nearer to "
-                "the binder's"
-            )
+            raise self._unsettled(f"residual {found.residual:.2g}", found.iterations, tolerance)
+        return self._scattered(order, found, up, down)
+
+    def _scattered(self, order, found: Found, up: complex, down: complex) -> Scattered:
+        """What goes out, of the field and of the waves in the homogeneous layer."""
         sent = self._send_out(self._strength * found.answer)
         sent[0][order] += up
         sent[1][order] += down
@@ -174,6 +185,59 @@ class Waves:
         loss = (self.cell.permittivity.imag * np.abs(found.answer) ** 2).mean()
         absorbed = self.k0**2 * self.cell.thickness * float(loss) / come
         return Scattered(*sent, *shares, absorbed, found.iterations)
+
+    def _unsettled(self, what: str, iterations: int, tolerance: float) -> SceneError:
+        return SceneError(
+            f"waves of {2000.0 * np.pi / self.k0:.0f} nm do not settle in the layer: {what} after {iterations} iterations, "
+            f"expected {tolerance:g}; change the cell's width by a hundredth, or take smaller particles or an index nearer "
+            "to the binder's"
+        )
+
+    @property
+    def _is_strong(self) -> bool:
+        return float(np.abs(self._strength).max()) > STRONG * self.k0**2
+
+    def _scatter_strongly(self, order, tolerance: float, used: int) -> Scattered:
+        """Solve where every particle resonates by itself, so that the eigenvalues of 1 - G V lie all around 0.
+
+        With c = i d, d the largest departure |V| from the middle of the permittivities, V' = V - c and G' = G (1 - c G)^-1,
+
+            (i V' / d) (1 - G' V') u = (i V' / d) (1 - c G)^-1 u0
+
+        has the same answer, and no eigenvalue is farther from 1 than 1: as G lets no energy come from nowhere, the norm of
+        (1 + c G) / (1 - c G) is at most 1 (Osnabrugge et al. 2016, see `resolvent`). What is left of this equation says
+        little of what is left of energy, so that is looked at too: it is kept exactly by the answer, as the background is
+        real here.
+        """
+        parts = self.cell.permittivity.real
+        middle = 0.5 * (float(parts.min()) + float(parts.max()))
+        waves = Waves(self.cell, 2.0 * np.pi / self.k0, self._tangential, middle)
+        start, up, down = waves._undisturbed(order)
+        departure = float(np.abs(waves._strength).max())
+        c = 1j * departure
+        damped = Resolvent(
+            waves._chain,
+            waves._stride,
+            waves._other,
+            waves._own - waves._other,
+            len(self.cell.permittivity),
+            c,
+        )
+        strength = waves._strength - c
+        weight = 1j / departure * strength
+        found = solve_short(
+            lambda field: weight * (field - damped.spread(strength * field)),
+            weight * damped.apply(start),
+            SHORT_TOLERANCE * tolerance,
+            MOST_SHORT,
+        )
+        found = Found(found.answer, used + found.iterations, found.residual)
+        made = waves._scattered(order, found, up, down)
+        missing = abs(made.reflected.sum() + made.transmitted.sum() + made.absorbed - 1.0)
+        if found.residual > tolerance or missing > tolerance:
+            what = f"residual {found.residual:.2g}, energy off by {missing:.2g}"
+            raise self._unsettled(what, found.iterations, tolerance)
+        return made
 
     def _disturb(self, field: np.ndarray) -> np.ndarray:
         """What is left of a field without what it sends out itself, u - G V u."""
@@ -206,6 +270,18 @@ class Waves:
     def spread(self, source: np.ndarray) -> np.ndarray:
         """Field that a source in the layer makes, G. (z, y, x) -> (z, y, x)"""
         modes = np.fft.fft2(source, axes=(1, 2))
+        made = self._between(modes)
+        made *= self._other
+        modes *= self._own
+        made += modes
+        return np.fft.ifft2(made, axes=(1, 2))
+
+    def _chain(self, modes: np.ndarray) -> np.ndarray:
+        """What layers send to each other and to themselves, but for a factor of the mode; S of `resolvent`."""
+        return self._between(modes) + modes
+
+    def _between(self, modes: np.ndarray) -> np.ndarray:
+        """What layers send to each other, and get back by the faces, but for a factor of the mode."""
         down, up = self._sums(modes)
         down, up = down / self._half_stride, up / self._half_stride
         # What both faces send back of it, at the middles of the first and the last cell; these go on like the rest.
@@ -221,10 +297,7 @@ class Waves:
             made[k] += rising
             rising += modes[k]
             rising *= self._stride
-        made *= self._other
-        modes *= self._own
-        made += modes
-        return np.fft.ifft2(made, axes=(1, 2))
+        return made
 
     def _sums(self, modes) -> tuple[np.ndarray, np.ndarray]:
         """What a source sends to one cell below and to one above the layer."""

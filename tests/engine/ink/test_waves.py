@@ -1,14 +1,19 @@
 """Waves in layers against closed forms: films, stacks, spheres, gratings, and what no layer may break."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 from small_inks import BINDER, WAVELENGTH, random_grid
 
+from lumenray.engine.errors import SceneError
 from lumenray.engine.ink import waves as waves_module
 from lumenray.engine.ink.films import film_shares
+from lumenray.engine.ink.krylov import solve_linear, solve_short
 from lumenray.engine.ink.packing import Packing
 from lumenray.engine.ink.particles import Population
 from lumenray.engine.ink.relief import carve
+from lumenray.engine.ink.resolvent import Resolvent
 from lumenray.engine.ink.scalar_sphere import forward_amplitude, scalar_efficiencies
 from lumenray.engine.ink.voxels import fill_shares
 from lumenray.engine.ink.waves import Cell, Waves
@@ -68,6 +73,67 @@ def test_damped_iterations_solve_the_same_equations(monkeypatch):
     assert damped.iterations != plain.iterations
     np.testing.assert_allclose(damped.up, plain.up, atol=1e-8)
     assert damped.reflected.sum() + damped.transmitted.sum() == pytest.approx(1.0, abs=1e-8)
+
+
+def strong_grid():
+    """Grains at random whose index is 3, without absorption."""
+    return Cell(random_grid(layers=8, columns=12, index=3.0), 1.0, 0.5)
+
+
+def middle_of(cell):
+    return 0.5 * (cell.permittivity.real.min() + cell.permittivity.real.max())
+
+
+def test_strong_scatterers_are_solved_by_the_same_equations(monkeypatch):
+    """Where particles resonate the search is another: light and energy are those of the plain iteration."""
+    cell = strong_grid()
+    waves = Waves(cell, WAVELENGTH, (1.0, 2.0), middle_of(cell))
+    monkeypatch.setattr(waves_module, "STRONG", 1.0)
+    monkeypatch.setattr(waves_module, "PLAIN_ITERATIONS", 600)
+    plain = waves.scatter(tolerance=1e-10)
+    monkeypatch.setattr(waves_module, "PLAIN_ITERATIONS", 2)
+    strong = waves.scatter(tolerance=1e-10)
+    assert strong.iterations != plain.iterations
+    np.testing.assert_allclose(strong.up, plain.up, atol=1e-8)
+    np.testing.assert_allclose(strong.down, plain.down, atol=1e-8)
+    assert strong.reflected.sum() + strong.transmitted.sum() == pytest.approx(1.0, abs=1e-8)
+
+
+def test_strong_scatterers_that_do_not_settle_are_told(monkeypatch):
+    monkeypatch.setattr(waves_module, "STRONG", 1.0)
+    monkeypatch.setattr(waves_module, "PLAIN_ITERATIONS", 2)
+    monkeypatch.setattr(waves_module, "MOST_SHORT", 20)
+    with pytest.raises(SceneError, match=r"do not settle .* energy off by .* after 22 iterations"):
+        Waves(strong_grid(), WAVELENGTH).scatter()
+
+
+def test_a_layer_that_absorbs_has_the_resolvent_of_the_one_that_does_not():
+    """(1 - c G) x is the source again, whatever the faces send back, and whether modes carry power or not."""
+    cell = Cell(random_grid(layers=8, columns=12), 1.0, 0.5, 1.0, 1.5)
+    waves = Waves(cell, WAVELENGTH, (1.0, 2.0))
+    strength = 3.0j * waves.k0**2
+    made = Resolvent(
+        waves._chain, waves._stride, waves._other, waves._own - waves._other, 8, strength
+    )
+    rng = np.random.default_rng(4)
+    source = rng.standard_normal((8, 12, 12)) + 1j * rng.standard_normal((8, 12, 12))
+    field = made.apply(source)
+    np.testing.assert_allclose(field - strength * waves.spread(field), source, atol=1e-11)
+    np.testing.assert_allclose(made.spread(source), waves.spread(field), atol=1e-11)
+
+
+@pytest.mark.parametrize("solve", [solve_short, partial(solve_linear, restart=30)])
+def test_linear_equations_are_solved(solve):
+    rng = np.random.default_rng(5)
+    matrix = np.eye(60) + 0.08 * (
+        rng.standard_normal((60, 60)) + 1j * rng.standard_normal((60, 60))
+    )
+    right = rng.standard_normal(60) + 0j
+    found = solve(matrix.__matmul__, right, tolerance=1e-9, most=400)
+    assert found.residual <= 1e-9
+    np.testing.assert_allclose(found.answer, np.linalg.solve(matrix, right), atol=1e-6)
+    few = solve(matrix.__matmul__, right, tolerance=1e-9, most=3)
+    assert few.iterations == 3 and few.residual > 1e-9
 
 
 def test_both_ways_scatter_alike_to_1e_10():
