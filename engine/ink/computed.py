@@ -28,6 +28,11 @@ ILLUMINANT = "D50"
 INCIDENCE = 45.0
 """Angle of the light of their readings, seen along the normal. [deg]"""
 
+_DIRECTIONS = (
+    np.array([[np.sin(np.radians(INCIDENCE)), 0.0, np.cos(np.radians(INCIDENCE))]]),
+    np.array([[0.0, 0.0, 1.0]]),
+)
+
 TOLERANCE = 0.02
 """Wanted error of a table."""
 
@@ -44,13 +49,13 @@ class Computed:
     printed : Printed
     plan : Plan
     readings : (w,) float64 array    Reflectance factors, light at 45 degrees, seen along the normal. [-]
-    standard_errors : (w,) float64 array    Of them, by even and odd realisations; of all bands together in root mean square
-        the error is better known than of one. [-]
+    standard_errors : (w,) float64 array    Of them, by even and odd realisations or by the speckle in all of them, whichever
+        is more; of all bands together in root mean square the error is better known than of one. [-]
     grid_error : float
         Largest change of what the film reflects and lets pass that the grid's step is thought to make, by the grid of twice
         the step: a third of the difference, as errors go with its square. [-]
     lab : (3,) float64 array    L*, a*, b* under D50, 2 degrees.
-    lab_error : float    Standard error as a colour difference.
+    lab_error : float    Standard error as a colour difference, by the same two.
     scalar_ratios : dict of str to float    Scattering cross section by Maxwell's over that by the scalar equation, a ball
         of each pigment alone at 550 nm. [-]
     iterations : float    Mean for each solve.
@@ -144,14 +149,18 @@ def compute(
     )
     readings = [read_45_0(each) for each in (whole, even, odd)]
     labs = [lab_of(each, plan.wavelengths) for each in readings]
+    speckle = speckle_of_45_0(whole)
     return Computed(
         whole,
         plan,
         readings[0],
-        0.5 * np.abs(readings[1] - readings[2]),
+        np.maximum(0.5 * np.abs(readings[1] - readings[2]), speckle),
         _grid_error(ensemble, plan),
         labs[0],
-        0.5 * float(np.linalg.norm(labs[1] - labs[2])),
+        max(
+            0.5 * float(np.linalg.norm(labs[1] - labs[2])),
+            _lab_error(readings[0], speckle, plan.wavelengths),
+        ),
         _scalar_ratios(ink),
         float(np.mean([unit["iterations"].mean() for unit in ensemble.units.values()])),
         ensemble.solved,
@@ -160,9 +169,23 @@ def compute(
 
 def read_45_0(printed: Printed) -> np.ndarray:
     """Reflectance factors of light at 45 degrees, seen along the normal. (w,)"""
-    angle = np.radians(INCIDENCE)
-    wi = np.array([[np.sin(angle), 0.0, np.cos(angle)]])
-    return np.pi * printed.evaluate(wi, np.array([[0.0, 0.0, 1.0]]))[0]
+    return np.pi * printed.evaluate(*_DIRECTIONS)[0]
+
+
+def speckle_of_45_0(printed: Printed) -> np.ndarray:
+    """Standard errors of these by the speckle of the film. (w,)"""
+    return np.pi * printed.evaluate_error(*_DIRECTIONS)[0]
+
+
+def _lab_error(readings, errors, wavelengths) -> float:
+    """Standard error of a colour by those of its bands, each for itself."""
+    square = 0.0
+    for band, error in enumerate(errors):
+        step = np.zeros(len(readings))
+        step[band] = error
+        ends = [lab_of(np.maximum(readings + each, 0.0), wavelengths) for each in (step, -step)]
+        square += float(((ends[0] - ends[1]) ** 2).sum()) / 4.0
+    return float(np.sqrt(square))
 
 
 def lab_of(reflectances, wavelengths) -> np.ndarray:

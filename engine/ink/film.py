@@ -7,6 +7,8 @@ and the azimuth, symmetric where reciprocity wants it, by least squares, which k
 
 The power of the order that goes on is that of the coherent wave and what is scattered there: the latter follows from the
 orders about it.
+
+How well a kernel is known follows from the same speckle: a sample v of mean m scatters by m, and v^2 / 2 is m^2 on the mean.
 """
 
 from dataclasses import dataclass
@@ -37,6 +39,7 @@ class Film:
         Shares reflected and transmitted, by the side that light comes from; both sides are there.
     kernels : dict of str to (w, t) float64 arrays
         Coefficients of ``reflection_above``, ``transmission`` (from above to below) and ``reflection_below``.
+    scatter : dict of str to (w, t, t) float64 arrays    Covariances of these coefficients.
     is_symmetric : bool    Whether both sides are alike.
     below : float    Index there.
     """
@@ -45,6 +48,7 @@ class Film:
     coherent: dict[str, np.ndarray]
     diffuse: dict[str, np.ndarray]
     kernels: dict[str, np.ndarray]
+    scatter: dict[str, np.ndarray]
     is_symmetric: bool
     below: float
 
@@ -54,8 +58,16 @@ class Film:
 
     def kernel(self, name: str, first, second, turn) -> np.ndarray:
         """Scattering per d2s. Cosines at both ends (first of where light comes from), cosine of the azimuth -> (n, w)"""
-        is_even = name != "transmission" or self.is_symmetric
-        return series(first, second, turn, is_even) @ self.kernels[name].T
+        return self._terms_at(name, first, second, turn) @ self.kernels[name].T
+
+    def kernel_error(self, name: str, first, second, turn) -> np.ndarray:
+        """Standard error of `kernel` by the speckle of its samples. (n, w)"""
+        terms = self._terms_at(name, first, second, turn)
+        square = np.einsum("nt,wtu,nu->nw", terms, self.scatter[name], terms)
+        return np.sqrt(np.maximum(square, 0.0))
+
+    def _terms_at(self, name: str, first, second, turn) -> np.ndarray:
+        return series(first, second, turn, name != "transmission" or self.is_symmetric)
 
 
 def series(first, second, turn, is_even: bool) -> np.ndarray:
@@ -110,6 +122,7 @@ def analyse(ink: Ink, plan: Plan, ensemble: Ensemble, realisations) -> Film:
         name: np.zeros((bands, len(_terms(name != "transmission" or is_symmetric))))
         for name in names
     }
+    scatter = {name: np.zeros((*each.shape, each.shape[1])) for name, each in kernels.items()}
     sides = SIDES[:1] if is_symmetric else SIDES
     for band, wavelength in enumerate(plan.wavelengths):
         units = [ensemble.units[k, band] for k in realisations]
@@ -141,9 +154,11 @@ def analyse(ink: Ink, plan: Plan, ensemble: Ensemble, realisations) -> Film:
             terms = series(first, second, turn, is_even)
             told = len(values) * plan.realisations // (2 * len(realisations))
             known = _known_terms(is_even, told, angles)
-            kernels[name][band, known] = _fit(terms[:, known], values)
+            kernels[name][band, known], found = _fit(terms[:, known], values)
+            scatter[name][band][np.ix_(known, known)] = found
         if is_symmetric:
-            kernels["reflection_below"][band] = kernels["reflection_above"][band]
+            for each in (kernels, scatter):
+                each["reflection_below"][band] = each["reflection_above"][band]
         for side in sides:
             other = SIDES[1 - SIDES.index(side)]
             for k, sine in enumerate(plan.sines):
@@ -164,6 +179,7 @@ def analyse(ink: Ink, plan: Plan, ensemble: Ensemble, realisations) -> Film:
         {side: shares[side][0] for side in SIDES},
         {side: shares[side][1] for side in SIDES},
         kernels,
+        scatter,
         is_symmetric,
         ink.below,
     )
@@ -182,9 +198,12 @@ def _scattered_there(kernels, way, side, sine, index, end_index, band, is_symmet
     return float(terms.ravel() @ kernels[name][band])
 
 
-def _fit(terms, values) -> np.ndarray:
-    """Least squares; terms of which the samples know nothing are 0."""
+def _fit(terms, values) -> tuple[np.ndarray, np.ndarray]:
+    """Least squares and their covariance; terms of which the samples know nothing are 0. (t,), (t, t)"""
+    count = terms.shape[1]
     if not len(values) or not np.any(values > 1e-14):
-        return np.zeros(terms.shape[1])
+        return np.zeros(count), np.zeros((count, count))
     scale = np.sqrt((terms**2).mean(axis=0))
-    return np.linalg.lstsq(terms / scale, values, rcond=1e-6)[0] / scale
+    found = np.linalg.lstsq(terms / scale, values, rcond=1e-6)[0] / scale
+    shares = np.linalg.pinv(terms / scale, rcond=1e-6) / scale[:, None] * values
+    return found, 0.5 * shares @ shares.T

@@ -117,9 +117,7 @@ class Printed:
         """Shares of unpolarised light that go on as by a mirror and straight on. (n,) -> (2, w, n)"""
         tangential = np.asarray(tangential, np.float64)
         cosines = np.sqrt(np.maximum(1.0 - (tangential / self._indices[side]) ** 2, 0.0))
-        spread = self.ink.thickness_spread
-        places = (np.arange(THICKNESSES) + 0.5) / THICKNESSES * 2.0 - 1.0
-        heights = self.ink.thickness * (1.0 + spread * places) if spread else [self.ink.thickness]
+        heights = self._all_heights()
         count = self._polarisations
         made = np.mean(
             [self._slab(side, tangential, each)[:, :count].mean(axis=1) for each in heights], axis=0
@@ -179,6 +177,13 @@ class Printed:
         values[above] = made
         return values
 
+    def evaluate_error(self, wi, wo) -> np.ndarray:
+        """Standard error of `evaluate` by the speckle of what the film itself reflects. (n, 3), (n, 3) -> (n, w) [1/sr]"""
+        lengths = [np.hypot(each[:, 0], each[:, 1]) for each in (wi, wo)]
+        turn = -(wi[:, :2] * wo[:, :2]).sum(axis=1) / np.maximum(lengths[0] * lengths[1], 1e-12)
+        error = self.film.kernel_error("reflection_above", wi[:, 2], wo[:, 2], turn)
+        return error * (self._factor("above", lengths[0]) * self._factor("above", lengths[1])).T
+
     def albedo(self, sines) -> np.ndarray:
         """Share of light that is scattered, without the mirror's part. (n,) -> (n, w)"""
         reflected, passed = self.total("above", sines)
@@ -231,11 +236,25 @@ class Printed:
         return np.stack(shares)
 
     def _keep(self, side: str, heights) -> np.ndarray:
-        """What realisations have of the coherent light of a homogeneous film. (2, w, k)"""
+        """What realisations have of the coherent light of a homogeneous film. (2, w, k)
+
+        More of it than by the film of all thicknesses, or than all of it, is chance: at the few thicknesses of realisations
+        waves may cancel in that film.
+        """
         tangential = self.film.sines * self._indices[side]
-        slab = np.mean([self._slab(side, tangential, each)[:, 0] for each in heights], axis=0)
+        own, whole = (
+            np.mean([self._slab(side, tangential, each)[:, 0] for each in some], axis=0)
+            for some in (heights, self._all_heights())
+        )
         found = self.film.coherent[side]
-        return np.where(slab > 1e-6, found / np.maximum(slab, 1e-6), 1.0)
+        most = np.maximum(found / np.maximum(whole, LEAST), 1.0)
+        return np.where(own > 1e-6, np.minimum(found / np.maximum(own, 1e-6), most), 1.0)
+
+    def _all_heights(self) -> np.ndarray:
+        """Thicknesses by which their spread is averaged. [um]"""
+        spread = self.ink.thickness_spread
+        places = (np.arange(THICKNESSES) + 0.5) / THICKNESSES * 2.0 - 1.0
+        return self.ink.thickness * (1.0 + spread * (places if spread else np.zeros(1)))
 
     def _kernel(self, side: str, end: str, tangential, ends) -> np.ndarray:
         """Modes 0 of the scalar scattering between directions. (1, w, n, m)"""

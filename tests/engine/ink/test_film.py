@@ -10,7 +10,7 @@ from lumenray.engine.errors import FileFormatError, SceneError
 from lumenray.engine.ink.composition import Ink
 from lumenray.engine.ink.computed import compute
 from lumenray.engine.ink.ensemble import Ensemble, film_content, key_of, solve_ensemble
-from lumenray.engine.ink.film import analyse
+from lumenray.engine.ink.film import _fit, analyse, series
 from lumenray.engine.ink.films import film_shares
 from lumenray.engine.ink.plan import make_plan, memory_of
 from lumenray.engine.ink.printed import Printed
@@ -218,3 +218,36 @@ def test_a_narrow_cell_that_has_few_orders_makes_no_wild_reflectances(tmp_path):
     ink = make_ink(0.3, 0.25, 1.8, 0.6, solution=solution | {"tolerance": 0.01})
     readings = compute(ink, make_plan(ink, draft=True), tmp_path).readings
     assert readings.max() < 0.1
+
+
+def test_the_error_of_a_fitted_kernel_is_that_of_speckle():
+    """Samples that are exponentially distributed about a kernel: 600 fits scatter as each of them says on the mean."""
+    rng = np.random.default_rng(8)
+    first, second, turn = rng.random(120), rng.random(120), rng.uniform(-1.0, 1.0, 120)
+    terms = series(first, second, turn, True)[:, :7]
+    mean = 0.2 + 0.5 * first * second
+    place = series(np.array([0.7]), np.ones(1), np.ones(1), True)[0, :7]
+    values, errors = [], []
+    for _ in range(600):
+        found, scatter = _fit(terms, mean * rng.exponential(size=120))
+        values.append(place @ found)
+        errors.append(place @ scatter @ place)
+    # Of 600 the standard deviation is known to 3 %.
+    assert np.std(values) == pytest.approx(np.sqrt(np.mean(errors)), rel=0.1)
+    assert np.mean(values) == pytest.approx(
+        0.2 + 0.5 * 0.7, abs=4.0 * np.std(values) / np.sqrt(600)
+    )
+
+
+def test_no_more_goes_on_as_one_wave_than_was_found(scattering):
+    """Where waves cancel at the thickness of realisations in the homogeneous film, what they have beside it is chance."""
+    plain = scattering.film.coherent["above"]
+    found = dict.fromkeys(("above", "below"), 0.0 * plain + 0.2)
+    # A film of half a wave, which reflects nothing along the normal at its middle thickness.
+    index = np.sqrt(scattering._means[0]).real
+    halved = replace(scattering.ink, thickness=1.5 * 0.55 / index)
+    printed = Printed(halved, scattering.wavelengths, replace(scattering.film, coherent=found), 2)
+    shares = printed.coherent("above", scattering.film.sines)
+    # Of both polarisations; what was found is of one.
+    assert shares[0].max() < 2.0 * 0.2
+    assert _normal(printed) > 0.01
