@@ -112,9 +112,8 @@ class LumenrayCluster(PropertyGroup):
 class LumenrayFeedback(PropertyGroup):
     """All of it; the indices are the active rows of the lists."""
 
-    cluster: PointerProperty(type=LumenrayCluster)
-
     engine: PointerProperty(type=LumenrayEngineStatus)
+    cluster: PointerProperty(type=LumenrayCluster)
     job: PointerProperty(type=LumenrayJob)
     reported: BoolProperty(name="Reported", description="Whether a scene has been converted")
     rows: CollectionProperty(type=LumenrayReportRow)

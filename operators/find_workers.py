@@ -46,14 +46,14 @@ class LUMENRAY_OT_find_workers(BackgroundOperator, bpy.types.Operator):
         workers = self._job.workers
         feedback.show_workers(context.window_manager, self._place[0], workers)
         if workers:
-            self.report({"INFO"}, f"{len(workers)} workers at {self._place[0]}")
+            count = "1 worker" if len(workers) == 1 else f"{len(workers)} workers"
+            self.report({"INFO"}, f"{count} at {self._place[0]}")
         else:
             self.report({"WARNING"}, f"No worker is at {self._place[0]}; start some")
         return {"FINISHED"}
 
     def _refuse(self, error):
-        context = bpy.context
-        context.window_manager.lumenray.property_unset("cluster")
+        bpy.context.window_manager.lumenray.property_unset("cluster")
         return super()._refuse(error)
 
 

@@ -9,7 +9,8 @@ from .render import RenderPanel
 NO_DASK = "Not installed: install the zip lumenray-cluster for this platform and Blender version as you did Lumenray's"
 
 QUIET = 15.0
-"""Time without a sign of life after which a worker is shown as silent. [s]"""
+"""Time without a sign of life after which a worker is shown as silent: nobody counts on it any more then, see
+`engine.cluster.dispatch.SILENCE`. [s]"""
 
 MOST_SHOWN = 12
 """Workers that have a line of their own."""

@@ -1,4 +1,7 @@
-"""A session that computes here, and once it has joined a cluster has the workers do what takes long."""
+"""A session that computes here, and once it has joined a cluster has the workers do what takes long.
+
+These are pictures, measurements, daylight and bakes; other jobs take moments, or are about what this machine shows.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -10,9 +13,6 @@ from ..session import Session
 from .dask_crew import DaskCrew
 from .security import Certificates, read_address
 from .session import ClusterSession
-
-ON_CLUSTER = ("render", "measure", "measure_sensors", "find_daylight", "bake_objects")
-"""Jobs that a cluster does; the others take moments, or are about what this machine shows."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ class SharedSession(Session):
         self._shared: ClusterSession | None = None
 
     def join(self, place: tuple[str, str, str, str] | None) -> None:
-        """Have a cluster do the jobs of `ON_CLUSTER` from now on, None: this machine. It is looked for by the next one.
+        """Have a cluster do what takes long from now on, None: this machine. It is looked for by the next such job.
 
         ``place``: the fields of a `ClusterPlace`, in their order.
         """

@@ -181,10 +181,13 @@ def _lab_error(readings, errors, wavelengths) -> float:
     """Standard error of a colour by those of its bands, each for itself."""
     square = 0.0
     for band, error in enumerate(errors):
-        step = np.zeros(len(readings))
-        step[band] = error
-        ends = [lab_of(np.maximum(readings + each, 0.0), wavelengths) for each in (step, -step)]
-        square += float(((ends[0] - ends[1]) ** 2).sum()) / 4.0
+        if error == 0.0:
+            continue
+        high, low = readings.copy(), readings.copy()
+        # Nothing reflects less than nothing, so the slope may be one-sided.
+        high[band], low[band] = readings[band] + error, max(readings[band] - error, 0.0)
+        change = lab_of(high, wavelengths) - lab_of(low, wavelengths)
+        square += float(((change * error / (high[band] - low[band])) ** 2).sum())
     return float(np.sqrt(square))
 
 

@@ -234,7 +234,8 @@ class Waves:
         found = Found(found.answer, used + found.iterations, found.residual)
         made = waves._scattered(order, found, up, down)
         missing = abs(made.reflected.sum() + made.transmitted.sum() + made.absorbed - 1.0)
-        if found.residual > tolerance or missing > tolerance:
+        # Written so that what is no number is refused too.
+        if not (found.residual <= tolerance and missing <= tolerance):
             what = f"residual {found.residual:.2g}, energy off by {missing:.2g}"
             raise self._unsettled(what, found.iterations, tolerance)
         return made

@@ -200,6 +200,6 @@ def test_a_card_is_told_beside_the_processors_of_its_machine(tmp_path):
     write_document(whole, tmp_path / "pictures.md")
     text = (tmp_path / "pictures.md").read_text()
     assert "A card, beside Cores, of one machine" in text
-    # Three times as fast at every error, and one of 1.4 standard errors of 0.1 each less.
+    # Three times as fast at every error; 1 cd/m2 less, of which both are known to 0.1.
     assert "| x 3 | 50 and 51, -7.1 |" in text
     assert "Lumenray: x 3; plain paths of ours: x 3." in text

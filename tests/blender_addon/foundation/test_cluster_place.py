@@ -8,6 +8,7 @@ import pytest
 from panels import context, draw
 
 from lumenray import operators, ui
+from lumenray.blender_addon import feedback
 from lumenray.blender_addon import registry as registry_module
 from lumenray.blender_addon.foundation import cluster_place, engine_process
 from lumenray.blender_addon.foundation import preferences as kept
@@ -70,6 +71,17 @@ def test_an_address_that_is_none_is_told(own, scene):
     own.cluster_address = "render office"
     with pytest.raises(LumenrayError, match="no address of a cluster"):
         cluster_place.place_of(scene)
+
+
+def test_a_worker_is_shown_as_silent_once_it_is_not_counted_on():
+    from lumenray.engine.cluster.dispatch import SILENCE
+
+    assert ui.cluster.QUIET == SILENCE
+    found = bpy.context.window_manager.lumenray.cluster
+    feedback.show_workers(
+        bpy.context.window_manager, "tcp://here:1", [("tcp://a", 0.5), ("tcp://b", SILENCE + 5.0)]
+    )
+    assert [row.name for row in found.workers] == ["tcp://a", "tcp://b"]
 
 
 @pytest.mark.slow

@@ -8,7 +8,7 @@ from small_inks import BINDER, make_ink
 
 from lumenray.engine.errors import FileFormatError, SceneError
 from lumenray.engine.ink.composition import Ink
-from lumenray.engine.ink.computed import compute
+from lumenray.engine.ink.computed import _lab_error, compute, lab_of
 from lumenray.engine.ink.ensemble import Ensemble, film_content, key_of, solve_ensemble
 from lumenray.engine.ink.film import _fit, analyse, series
 from lumenray.engine.ink.films import film_shares
@@ -251,3 +251,15 @@ def test_no_more_goes_on_as_one_wave_than_was_found(scattering):
     # Of both polarisations; what was found is of one.
     assert shares[0].max() < 2.0 * 0.2
     assert _normal(printed) > 0.01
+
+
+def test_the_error_of_a_colour_is_that_of_its_bands():
+    """Bands that scatter by their errors: colours scatter as stated, also about a band that reflects nothing."""
+    rng = np.random.default_rng(9)
+    bands = np.linspace(390.0, 710.0, 5)
+    for readings in (np.array([0.4, 0.5, 0.45, 0.4, 0.35]), np.array([0.4, 0.5, 0.0, 0.4, 0.35])):
+        errors = np.full(5, 0.002)
+        drawn = np.abs(readings + errors * rng.standard_normal((4000, 5)))
+        apart = lab_of(drawn, bands) - lab_of(readings, bands)
+        scatter = np.sqrt((apart**2).sum(axis=1).mean())
+        assert _lab_error(readings, errors, bands) == pytest.approx(scatter, rel=0.1)
