@@ -69,6 +69,13 @@ class Channels:
         """Numbers of the columns that `of_light` gives."""
         return [0, 1, 2, *range(self.count - self.bands, self.count)]
 
+    @property
+    def light_colour(self) -> np.ndarray | None:
+        """What these columns are for each unit of luminance, where all light has one colour; else None."""
+        if self.sampler is not None:
+            return None
+        return np.concatenate([self._lamp_tristimulus, self._lamp_bands])
+
     # ---- inside kernels ----
 
     def of_light(self, radiance, wavelengths) -> dict:

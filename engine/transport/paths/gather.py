@@ -13,7 +13,8 @@ from .sampler import sobol_pair
 from .spotted_light import spotted_light
 
 PAIR_WAVELENGTH, PAIR_LIGHT, PAIR_SCATTER, PAIR_PLACE, PAIR_LENS, PAIR_FILM = range(6)
-"""Which pair of the low-discrepancy sequence serves what."""
+PAIR_CHOICE = 8
+"""Which pair of the low-discrepancy sequence serves what; those between are of the illuminance that pictures tell."""
 
 
 def receiver(point, normal, geometric_normal, wavelengths, extent=0.0):
@@ -142,6 +143,11 @@ def draw_wavelengths(sampler, index, seed):
     if not is_spectral():
         return None
     return sampler.sample(sobol_pair(index, seed, PAIR_WAVELENGTH).x)
+
+
+def first_points(index, seed):
+    """Return the first points of a path of the camera, as `path_loop.trace` takes them."""
+    return tuple(sobol_pair(index, seed, pair) for pair in (PAIR_LIGHT, PAIR_SCATTER, PAIR_CHOICE))
 
 
 def typical_wavelengths():

@@ -17,7 +17,7 @@ from .channels import Channels
 from .film import GROUPS, MAXIMUM_PIXELS, Film, learn_lights, sees
 from .lost_samples import LostSamples
 from .path_loop import trace
-from .sampler import hash_words, random_stream, sobol_pair
+from .sampler import hash_words, random_stream
 
 FIRST_PIXELS = 4096
 """Most pixels of the first image, which is made in one slice."""
@@ -176,10 +176,7 @@ class LiveView:
             mi.Float(0.0),
             ray.o,
             sees(ray),
-            first=(
-                sobol_pair(sample, own, gather.PAIR_LIGHT),
-                sobol_pair(sample, own, gather.PAIR_SCATTER),
-            ),
+            first=gather.first_points(sample, own),
             pixel_width=self._film.pixel_width,
         )
         lost = LostSamples(1)

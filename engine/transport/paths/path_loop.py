@@ -69,7 +69,9 @@ def trace(
         emitters count in full.
     reference : Point3f    Where the ray was scattered: next-event from there competes with its hits.
     active : Bool
-    first : (Point2f, Point2f) or None    Well-distributed samples for next-event and scattering at the first vertex.
+    first : (Point2f, Point2f, Point2f) or None
+        Well-distributed samples as of `gather.first_points`: for next-event and scattering at the first vertex that spreads
+        light, and for what the first two surfaces do with it.
     depth : int    Scatterings so far; 0 hides what the camera must not see.
     limit : UInt32 or None    Most reflections of light that counts, for rays from receivers (``depth`` 1).
     reader : CellReader or None    What ends paths at cells; None: nothing does.
@@ -136,6 +138,7 @@ class Path:
     read : Spectrum or None    What was read from cells, which is not in ``radiance``.
     is_read : Bool or None    Whether the base of what is met next has been read.
     is_asked : Bool or None    Whether the last vertex asked bright spots for traced light.
+    is_fresh : Bool or None    Whether no vertex has spread light yet; None: nobody asks.
     """
 
     ray: object
@@ -161,6 +164,7 @@ class Path:
     is_read: object = None
     is_asked: object = None
     spread: object = None
+    is_fresh: object = None
 
 
 @dataclass
@@ -203,7 +207,7 @@ class PathLoop:
     scene : CompiledScene
     left_out : LeftOut or None    Light over bends that does not count, since it is found otherwise; None: nothing.
     is_camera : bool    Whether paths begin at a camera, which does not see everything.
-    first : (Point2f, Point2f) or None    Samples for next-event and scattering at the first vertex.
+    first : (Point2f, Point2f, Point2f) or None    As of `trace`.
     last : UInt32 or None    Depth of the last vertex whose light counts.
     reader : CellReader or None    What ends paths at cells; None: nothing does.
     pixel_width : callable or None    As of `trace`.
@@ -226,6 +230,8 @@ class PathLoop:
     def run(self, path: Path) -> Path:
         """Follow paths; what was found is in their state."""
         spots = self._scene.spots
+        if self._first is not None:
+            path.is_fresh = mi.Bool(True)
         if spots is not None:
             path.way = dr.select(path.pdf > 0.0, mi.UInt32(0), LONGEST_WAY + 1)
             rival = spots.density(path.reference, path.ray.d)
@@ -342,10 +348,15 @@ class PathLoop:
         at.light_sample = mi.Point2f(stream.next_float32(), stream.next_float32())
         at.sample = mi.Point2f(stream.next_float32(), stream.next_float32())
         if self._first is not None:
-            begins = path.steps == 0
-            at.light_sample = dr.select(begins, self._first[0], at.light_sample)
-            at.sample = dr.select(begins, self._first[1], at.sample)
+            light, scatter, choices = self._first
+            at.light_sample = dr.select(path.is_fresh, light, at.light_sample)
+            at.sample = dr.select(path.is_fresh, scatter, at.sample)
+            # What bends light alone has no use for them.
+            path.is_fresh &= ~at.smooth
         at.choice = stream.next_float32()
+        if self._first is not None:
+            at.choice = dr.select(path.steps == 1, choices.y, at.choice)
+            at.choice = dr.select(path.steps == 0, choices.x, at.choice)
         at.respond = respond_by(at.bsdf, at.si)
         if self._reader is not None:
             self._reader.keep_coat(path, at)

@@ -4,6 +4,7 @@ Every pass doubles the samples of those tiles and kinds of samples that another 
 their own, so half the difference of their means is the error of a pixel.
 """
 
+from collections import deque
 from dataclasses import replace
 from itertools import zip_longest
 
@@ -57,6 +58,9 @@ DARK = 1 << 20
 
 GROWTH = 0.5
 """Samples of a pass, relative to all before. [-]"""
+
+AHEAD = 1
+"""Launches that run while the next one is put together."""
 
 SHARED = 2
 """Samples of a pixel in a half from which on light is shared between pixels: of one it is not known how they scatter."""
@@ -292,7 +296,7 @@ class _Passes:
 
     def _mean(self, kind: int, channels=slice(None)) -> np.ndarray:
         """Mean of the samples of a kind so far. (2, n, channels)"""
-        count = np.maximum(self.allocation.of_pixels(kind), 1)
+        count = np.maximum(self.allocation.of_pixels(kind), 1).astype(np.float32)
         sums = self.sums[kind][..., channels]
         return sums / count.reshape(count.shape + (1,) * (sums.ndim - 2))
 
@@ -397,6 +401,7 @@ class _Passes:
         lanes = LANES if allocation.samples else FIRST_LANES
         work = sum(float(more @ allocation.size) for more in added.values()) * GROUPS
         done = 0.0
+        begun = deque()
         for half in range(GROUPS):
             if cells is not None:
                 cells.use(half)
@@ -404,18 +409,27 @@ class _Passes:
                 for kind, part in parts:
                     if self.cancelled():
                         raise Cancelled("cancelled")
-                    sums = self.light.sum(kind, part, half)
-                    begins = np.flatnonzero(np.diff(part.lumel, prepend=-1))
-                    rows = part.lumel[begins]
-                    sums = np.add.reduceat(sums, begins, axis=0)
-                    values, squares = np.split(sums, [-len(STEERING)], axis=1)
-                    if len(rows) == rows[-1] - rows[0] + 1:
-                        rows = slice(rows[0], rows[-1] + 1)
-                    self.sums[kind][half][rows] += values
-                    self.squares[kind][:, half, rows] += squares.T
+                    begun.append((kind, part, half, self.light.begin(kind, part, half)))
+                    if len(begun) > AHEAD:
+                        self._add(*begun.popleft())
                     done += len(part.lumel) * part.samples
                 self._report_part(added, done / max(work, 1.0))
+        while begun:
+            self._add(*begun.popleft())
         allocation.extend(added)
+
+    def _add(self, kind: int, part, half: int, finish) -> None:
+        """Add what `PixelLight.begin` has begun, once it is there."""
+        begins = np.flatnonzero(np.diff(part.lumel, prepend=-1))
+        rows = part.lumel[begins]
+        sums = finish()
+        if len(begins) < len(sums):
+            sums = np.add.reduceat(sums, begins, axis=0)
+        values, squares = np.split(sums, [-len(STEERING)], axis=1)
+        if len(rows) == rows[-1] - rows[0] + 1:
+            rows = slice(rows[0], rows[-1] + 1)
+        self.sums[kind][half][rows] += values
+        self.squares[kind][:, half, rows] += squares.T
 
     def _parts(self, added: dict[int, np.ndarray], lanes: int):
         """Yield kinds and units of work that fit a launch each, all kinds of some pixels together."""

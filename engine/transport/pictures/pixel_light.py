@@ -13,6 +13,7 @@ References
 S. Heinrich: Multilevel Monte Carlo Methods, in: Large-Scale Scientific Computing, 2001.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
 
@@ -128,6 +129,13 @@ class PixelLight:
 
     def sum(self, kind: int, units: Units, half: int) -> np.ndarray:
         """Sums over the samples of units, those of squares of `STEERING` last. (u, channels + 2)"""
+        return self.begin(kind, units, half)()
+
+    def begin(self, kind: int, units: Units, half: int) -> Callable[[], np.ndarray]:
+        """Begin with the samples of units; what is returned waits for their end and returns as `sum`.
+
+        Meanwhile the next kernel may be put together, which takes about as long.
+        """
         who, begin = upload(mi.UInt32, units.lumel), upload(mi.UInt32, units.first)
         many = dr.opaque(mi.UInt32, units.samples)
         seed = dr.opaque(mi.UInt32, int(self.seed) & 0xFFFFFFFF)
@@ -151,19 +159,28 @@ class PixelLight:
         # At the full width of the launch, and apart from the sums, whose length would be a part of the kernel.
         columns = {number: each + mi.Float(lane) * 0.0 for number, each in columns.items()}
         dr.eval(columns)
-        known = self.lost.setdefault(kind, np.zeros((len(lost), self._pixels), dtype=np.int64))
-        for part, each in zip(known, lost, strict=True):
-            counts = each.counts()
-            if counts.any():
-                np.add.at(part, units.lumel, counts)
         whole = self.channels.count
         columns |= {
             whole + k: dr.square(columns[c]) for k, c in enumerate(STEERING) if c in columns
         }
-        made = np.zeros((len(units.lumel), whole + len(STEERING)))
-        for number, each in columns.items():
-            made[:, number] = np.array(dr.block_reduce(dr.ReduceOp.Add, each, units.samples))
-        return made
+        sums = {
+            number: dr.block_reduce(dr.ReduceOp.Add, each, units.samples)
+            for number, each in columns.items()
+        }
+        dr.eval(sums)
+
+        def finish() -> np.ndarray:
+            known = self.lost.setdefault(kind, np.zeros((len(lost), self._pixels), dtype=np.int64))
+            for part, each in zip(known, lost, strict=True):
+                counts = each.counts()
+                if counts.any():
+                    np.add.at(part, units.lumel, counts)
+            made = np.zeros((len(units.lumel), whole + len(STEERING)))
+            for number, each in sums.items():
+                made[:, number] = np.array(each)
+            return made
+
+        return finish
 
     def differences(self, pixels: np.ndarray) -> np.ndarray:
         """Luminance that reading cells adds to that of full paths, by one sample at each of some pixels. (k,) [cd/m2]"""
@@ -230,10 +247,7 @@ class PixelLight:
             mi.Float(0.0),
             numbers.ray.o,
             sees(numbers.ray),
-            first=(
-                sobol_pair(sample, own, gather.PAIR_LIGHT),
-                sobol_pair(sample, own, gather.PAIR_SCATTER),
-            ),
+            first=gather.first_points(sample, own),
             reader=reader,
             pixel_width=self.film.pixel_width,
         )

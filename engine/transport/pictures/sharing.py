@@ -158,6 +158,11 @@ class Parts:
         """Which of the surfaces pixels show most of. (t, p)"""
         return self.amounts.argmax(axis=2)
 
+    def surfaces(self, part: slice) -> np.ndarray:
+        """1 where pixels of some tiles are fitted and show most of a surface, else 0. (`SURFACES`, t, p) float32"""
+        numbers = np.arange(SURFACES)[:, None, None]
+        return ((self.largest[part] == numbers) & self.is_fitted[part]).astype(np.float32)
+
     def basis(self, part: slice) -> np.ndarray:
         """Orthonormal functions over the pixels of some tiles that span the planes of their surfaces. (t, p, k)"""
         side = ((np.arange(TILE) - 0.5 * (TILE - 1)) / TILE).astype(np.float32)
@@ -169,7 +174,9 @@ class Parts:
                 break
             for plane in (1.0, x.ravel(), y.ravel()):
                 made.append(_orthonormal(amounts * plane, made))
-        return np.stack(made, axis=2) if made else np.zeros((*self.is_fitted[part].shape, 1))
+        if not made:
+            return np.zeros((*self.is_fitted[part].shape, 1), dtype=np.float32)
+        return np.stack(made, axis=2)
 
 
 def _orthonormal(feature: np.ndarray, before: list[np.ndarray]) -> np.ndarray:
@@ -214,35 +221,33 @@ class Tiling:
             (self.of_view, [kind for kind in means if kind == VIEW]),
             (self.of_matt, [kind for kind in means if kind != VIEW]),
         ):
-            if not parts.is_fitted.any():
+            if not kinds or not parts.is_fitted.any():
                 continue
-            fitted = parts.is_fitted[..., None]
+            fitted, own, noise, taken = parts.is_fitted, {}, {}, {}
             for kind in kinds:
-                own = tiles.lay_out(means[kind]) * fitted
-                noise = tiles.lay_out(variances[kind][..., None])[..., 0] * parts.is_fitted
-                noise *= _find_ratio(own, noise)
-                taken = np.zeros(weight.shape, np.float32)
+                own[kind] = tiles.lay_out(means[kind]) * fitted[..., None]
+                noise[kind] = tiles.lay_out(variances[kind][..., None])[..., 0] * fitted
+                noise[kind] *= _find_ratio(own[kind], noise[kind])
+                taken[kind] = np.zeros(weight.shape, np.float32)
 
-                def shrink(begin, parts=parts, own=own, noise=noise, taken=taken):
-                    part = slice(begin, begin + CHUNK)
-                    changed, left = _shrink(
-                        parts.basis(part),
-                        own[:, part],
-                        noise[:, part],
-                        parts.is_fitted[part],
-                        parts.largest[part],
+            def shrink(begin, parts=parts, own=own, noise=noise, taken=taken):
+                part = slice(begin, begin + CHUNK)
+                basis, surfaces = parts.basis(part), parts.surfaces(part)
+                # Of a surface that one pixel shows the fit is exact but for rounding, which may be either way.
+                spared = 1.0 - np.minimum(np.einsum("tpk,tpk->tp", basis, basis), 1.0)
+                counts = parts.is_fitted[part] * weight[0, part, :, 0]
+                for kind in own:
+                    changed, share = _shrink(
+                        basis, spared, surfaces, own[kind][:, part], noise[kind][:, part]
                     )
-                    change[:, part] += changed * (
-                        parts.is_fitted[part][..., None] * weight[:, part]
-                    )
-                    taken[0, part, :, 0] = (
-                        (1.0 - left) * parts.is_fitted[part] * weight[0, part, :, 0]
-                    )
+                    change[:, part] += changed * counts[..., None]
+                    taken[kind][0, part, :, 0] = share.mean(axis=0) * spared * counts
 
-                with ThreadPoolExecutor(os.cpu_count()) as pool:
-                    list(pool.map(shrink, range(0, len(own[0]), CHUNK)))
-                gone[kind] = tiles.lay_back(taken)[0, :, 0]
-                yield None
+            with ThreadPoolExecutor(os.cpu_count()) as pool:
+                list(pool.map(shrink, range(0, len(fitted), CHUNK)))
+            for kind in kinds:
+                gone[kind] = tiles.lay_back(taken[kind])[0, :, 0]
+            yield None
         return tiles.lay_back(change), gone
 
 
@@ -252,8 +257,14 @@ def _find_ratio(own: np.ndarray, noise: np.ndarray) -> np.float32:
     ``own``, ``noise``: of pixels that are fitted, 0 elsewhere; as of `_shrink`.
     """
     expected = float(noise.sum(dtype=np.float64))
-    found = float(((own[0, ..., 1] - own[1, ..., 1]) ** 2).sum(dtype=np.float64))
+    luminance = own[..., _luminance_of(own)]
+    found = float(((luminance[0] - luminance[1]) ** 2).sum(dtype=np.float64))
     return np.float32(np.clip(found / expected, LEAST_RATIO, 1.0) if expected > 0.0 else 0.0)
+
+
+def _luminance_of(own: np.ndarray) -> int:
+    """Which column of light is the luminance: the one there is, or Y."""
+    return min(own.shape[-1] - 1, 1)
 
 
 class PixelSharing:
@@ -263,10 +274,12 @@ class PixelSharing:
     ----------
     tilings : list of Tiling    Their weights add up to 1; the first one begins with the picture.
     columns : list of int    Channels of light.
+    colour : (c,) array or None    What these are for each unit of luminance where all light has one colour, else None.
     """
 
-    def __init__(self, tilings: list[Tiling], columns: list[int]):
+    def __init__(self, tilings: list[Tiling], columns: list[int], colour=None):
         self._tilings, self._columns = tilings, columns
+        self._colour = None if colour is None else np.asarray(colour, dtype=np.float32)
 
     def share(self, means: dict[int, np.ndarray], variances: dict[int, np.ndarray]) -> Shared:
         """Share the light of all kinds, each for itself.
@@ -293,12 +306,17 @@ class PixelSharing:
             kind: float(np.sqrt(each).sum(dtype=np.float64)) for kind, each in variances.items()
         }
         least = LEAST * sum(errors.values())
+        # Where all light has one colour, its luminance tells all.
+        wanted = self._columns if self._colour is None else [1]
         light = {
-            kind: means[kind][..., self._columns] for kind, error in errors.items() if error > least
+            kind: np.ascontiguousarray(means[kind][..., wanted], dtype=np.float32)
+            for kind, error in errors.items()
+            if error > least
         }
+        variances = {kind: variances[kind].astype(np.float32) for kind in light}
         for tiling in self._tilings if light else ():
             changed, gone = yield from tiling.finding_changes(light, variances)
-            change[..., self._columns] += changed
+            change[..., self._columns] += changed if self._colour is None else changed * self._colour
             for kind, part in gone.items():
                 left[kind] -= part
         yield Shared(change, left)
@@ -319,34 +337,31 @@ class PixelSharing:
         return made * scale[:, None] ** 2
 
 
-def _shrink(basis, own, noise, is_fitted, surface) -> tuple[np.ndarray, np.ndarray]:
+def _shrink(basis, spared, surfaces, own, noise) -> tuple[np.ndarray, np.ndarray]:
     """Draw the pixels of tiles towards what fits them, as far as what parts those of a surface from it is noise.
 
     Parameters
     ----------
     basis : (t, p, k) array    As of `Parts.basis`.
-    own : (2, t, p, c) array    Means of the halves.
-    noise : (2, t, p) array    Variances of their luminance.
-    is_fitted : (t, p) bool array
-    surface : (t, p) array    Which one of the fitted surfaces pixels show most of.
+    spared : (t, p) array    What of a pixel's noise the fit does not take up: one less its leverage. [-]
+    surfaces : (`SURFACES`, t, p) array    1 where a pixel shows most of a surface, as of `Parts.surfaces`.
+    own : (2, t, p, c) array    Means of the halves, 0 where nothing is fitted.
+    noise : (2, t, p) array    Variances of their luminance, alike.
 
     Returns
     -------
-    (2, t, p, c) array, (t, p) array    What is added to the means, and what part of the variance is left. [-]
+    (2, t, p, c) array, (2, t, p) array    What is added to the means where they are fitted, and how far they are drawn. [-]
     """
-    # Of a surface that one pixel shows the fit is exact but for rounding, which may be either way.
-    leverage = np.minimum((basis**2).sum(axis=2), 1.0)
-    residual = (basis @ (basis.swapaxes(1, 2) @ own) - own) * is_fitted[..., None]
-    squares, expected = residual[..., 1] ** 2, noise * (1.0 - leverage)
-    share = np.zeros(squares.shape, dtype=np.float32)
-    for number in range(SURFACES):
-        mine = surface == number
-        found = (squares * mine).sum(axis=2)
-        part = (expected * mine).sum(axis=2) / np.maximum(found, 1e-30)
+    residual = basis @ (basis.swapaxes(1, 2) @ own) - own
+    squares = residual[..., _luminance_of(own)] ** 2
+    expected = noise * spared
+    share = np.zeros_like(squares)
+    for mine in surfaces:
+        found = np.einsum("htp,tp->ht", squares, mine)
+        part = np.einsum("htp,tp->ht", expected, mine) / np.maximum(found, 1e-30)
         share += np.where(found > 0.0, np.minimum(part, 1.0), 0.0)[..., None] * mine
-    left = 1.0 - share.mean(axis=0) * (1.0 - leverage)
     # A plane may fall below 0 beside an edge, light may not.
-    return np.maximum(share[..., None] * residual, -own), left
+    return np.maximum(share[..., None] * residual, -own), share
 
 
 def last_of(steps):
@@ -388,7 +403,7 @@ def finding_sharing(scene, film: Film, channels, is_apart: bool, lanes: int = LA
         )
         tilings.append(Tiling(tiles, of_matt, of_view, weight))
         yield None
-    yield PixelSharing(tilings, channels.light_columns)
+    yield PixelSharing(tilings, channels.light_columns, channels.light_colour)
 
 
 def _is_inner(pixel, surface, camera) -> np.ndarray:
