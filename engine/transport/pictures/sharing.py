@@ -63,6 +63,10 @@ LEAST = 0.01
 LEAST_RATIO = 0.1
 """Variance of well-distributed points over that of independent ones, at least. [-]"""
 
+TRUST = 2.0
+"""How far pixels are drawn towards the fit, relative to the part of the residuals that is noise: of few samples the noise of a
+tile is known badly, and to leave some of it costs more than to smooth some light away, which is told in any case. [-]"""
+
 CHUNK = 2048
 """Tiles that are fitted at once."""
 
@@ -359,7 +363,7 @@ def _shrink(basis, spared, surfaces, own, noise) -> tuple[np.ndarray, np.ndarray
     for mine in surfaces:
         found = np.einsum("htp,tp->ht", squares, mine)
         part = np.einsum("htp,tp->ht", expected, mine) / np.maximum(found, 1e-30)
-        share += np.where(found > 0.0, np.minimum(part, 1.0), 0.0)[..., None] * mine
+        share += np.where(found > 0.0, np.minimum(TRUST * part, 1.0), 0.0)[..., None] * mine
     # A plane may fall below 0 beside an edge, light may not.
     return np.maximum(share[..., None] * residual, -own), share
 
