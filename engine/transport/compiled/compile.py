@@ -95,6 +95,8 @@ class CompiledScene:
         self.indices: dict = {}
         self.notes: list[str] = []
         self.stamps = Stamps()
+        # What bends light, with the stamps for which it was found, see `find_targets`.
+        self.kept_targets: tuple[Stamps, object] | None = None
         # Light over bends for the paths of a job, see `bent_lights`.
         self.bent = None
         # Small bright spots towards which paths are scattered, see `bright_spots`.

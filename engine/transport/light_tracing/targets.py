@@ -97,10 +97,17 @@ class Targets:
 
 
 def find_targets(scene) -> Targets:
-    """Gather what bends light in a `CompiledScene`.
+    """Gather what bends light in a `CompiledScene`, which keeps it until something changes.
 
     Plane mirrors and panes that next-event knows are no reason to trace light, but on the way to glass it may meet them.
     """
+    if scene.kept_targets is None or scene.kept_targets[0] != scene.stamps:
+        scene.kept_targets = scene.stamps, _gather(scene)
+    return scene.kept_targets[1]
+
+
+def _gather(scene) -> Targets:
+    """As `find_targets`, from nothing."""
     bending, mirrors, names = [], [], set()
     for _, part, material in scene.parts():
         if not material.surface.is_bending or part.triangles == 0:

@@ -16,6 +16,7 @@ expected value of both D differs from that of the noise by b, the product of the
 pixel, without any supposition on the light, and is stated as the error (see `theory.md`, pictures).
 """
 
+import math
 import os
 from collections import deque
 from concurrent.futures import ThreadPoolExecutor
@@ -36,8 +37,11 @@ from ..paths.visibility import closest_hit
 from .allocation import TILE
 from .pixel_light import VIEW
 
-SHIFTS = (0, TILE // 2)
-"""Pixels by which tiles begin before the picture: every pixel lies in two, and not at the edge of both."""
+SIDES = (TILE, 2 * TILE)
+"""Sides of tiles, by stage of sharing: what is even over smaller ones may be over larger ones. [pixel]"""
+
+SHIFTS = (0.0, 0.5)
+"""Part of a side by which tiles begin before the picture: every pixel lies in two, and not at the edge of both. [-]"""
 
 SURFACES = 3
 """Surfaces of a tile whose light is fitted; pixels that show more of others keep their own."""
@@ -67,8 +71,8 @@ TRUST = 2.0
 """How far pixels are drawn towards the fit, relative to the part of the residuals that is noise: of few samples the noise of a
 tile is known badly, and to leave some of it costs more than to smooth some light away, which is told in any case. [-]"""
 
-CHUNK = 2048
-"""Tiles that are fitted at once."""
+CHUNK = 1 << 17
+"""Pixels that are fitted at once, about."""
 
 AROUND = 2
 """Tiles to each side over which it is averaged what was smoothed away."""
@@ -81,35 +85,36 @@ class Tiles:
     ----------
     width, height : int
     shift : int    Pixels by which the tiles begin before the picture.
+    side : int    Of a tile. [pixel]
 
     Attributes
     ----------
     shape : (int, int)    Tiles up and across.
-    pixels : (t, `TILE`^2) int array    Numbers of a tile's pixels, -1 where there is no picture.
+    pixels : (t, side^2) int array    Numbers of a tile's pixels, -1 where there is no picture.
     """
 
-    def __init__(self, width: int, height: int, shift: int = 0):
-        self.shape = -(-(height + shift) // TILE), -(-(width + shift) // TILE)
-        self._size, self._shift = (height, width), shift
+    def __init__(self, width: int, height: int, shift: int = 0, side: int = TILE):
+        self.shape = -(-(height + shift) // side), -(-(width + shift) // side)
+        self._size, self._shift, self.side = (height, width), shift, side
         numbers = self.lay_out(np.arange(1, width * height + 1)[None, :, None])
         self.pixels = numbers[0, ..., 0] - 1
 
     def lay_out(self, values: np.ndarray) -> np.ndarray:
-        """Values of pixels by tile, 0 where there is no picture. (h, n, c) to (h, t, `TILE`^2, c)"""
-        up, across = self.shape
+        """Values of pixels by tile, 0 where there is no picture. (h, n, c) to (h, t, side^2, c)"""
+        (up, across), side = self.shape, self.side
         (height, width), shift = self._size, self._shift
-        laid = np.zeros((len(values), up * TILE, across * TILE, values.shape[2]), values.dtype)
+        laid = np.zeros((len(values), up * side, across * side, values.shape[2]), values.dtype)
         inside = laid[:, shift : shift + height, shift : shift + width]
         inside[:] = values.reshape(inside.shape)
-        laid = laid.reshape(len(values), up, TILE, across, TILE, -1).swapaxes(2, 3)
-        return laid.reshape(len(values), up * across, TILE * TILE, -1)
+        laid = laid.reshape(len(values), up, side, across, side, -1).swapaxes(2, 3)
+        return laid.reshape(len(values), up * across, side * side, -1)
 
     def lay_back(self, laid: np.ndarray) -> np.ndarray:
         """What `lay_out` has laid out."""
-        up, across = self.shape
+        (up, across), side = self.shape, self.side
         (height, width), shift = self._size, self._shift
-        laid = laid.reshape(len(laid), up, across, TILE, TILE, -1).swapaxes(2, 3)
-        laid = laid.reshape(len(laid), up * TILE, across * TILE, -1)
+        laid = laid.reshape(len(laid), up, across, side, side, -1).swapaxes(2, 3)
+        laid = laid.reshape(len(laid), up * side, across * side, -1)
         inside = laid[:, shift : shift + height, shift : shift + width]
         return inside.reshape(len(laid), height * width, -1)
 
@@ -169,7 +174,8 @@ class Parts:
 
     def basis(self, part: slice) -> np.ndarray:
         """Orthonormal functions over the pixels of some tiles that span the planes of their surfaces. (t, p, k)"""
-        side = ((np.arange(TILE) - 0.5 * (TILE - 1)) / TILE).astype(np.float32)
+        count = math.isqrt(self.amounts.shape[1])
+        side = ((np.arange(count) - 0.5 * (count - 1)) / count).astype(np.float32)
         y, x = np.meshgrid(side, side, indexing="ij")
         made: list[np.ndarray] = []
         for surface in range(SURFACES):
@@ -211,48 +217,63 @@ class Tiling:
     of_view: Parts
     weight: np.ndarray
 
-    def finding_changes(self, means, variances):
-        """What these tiles change of means, and what part of the variance they take away; in steps.
+    def finding_changes(self, means, variances, left):
+        """What these tiles change of means, and what part of the variance that is left they take away; in steps, by kind.
 
-        ``means``: by kind, of the light alone; all as of `PixelSharing.share`. (2, n, c), and by kind (n,)
+        ``means``: by kind, of the light alone, and ``variances``: as of `PixelSharing.share`; ``left``: by kind, part of the
+        variance of pixels that is left of it, (n,). It gives (2, n, c) and (n,) by kind.
         """
         tiles = self.tiles
         weight = tiles.lay_out(self.weight[None, :, None])
-        change = np.zeros((*weight.shape[1:3], next(iter(means.values())).shape[2]), np.float32)
-        change = np.stack([change, change])
-        gone = {}
+        changes, gone = {}, {}
         for parts, kinds in (
             (self.of_view, [kind for kind in means if kind == VIEW]),
             (self.of_matt, [kind for kind in means if kind != VIEW]),
         ):
             if not kinds or not parts.is_fitted.any():
                 continue
-            fitted, own, noise, taken = parts.is_fitted, {}, {}, {}
+            fitted, own, noise, taken, before, change = parts.is_fitted, {}, {}, {}, {}, {}
             for kind in kinds:
+                before[kind] = tiles.lay_out(left[kind][None, :, None])[0, ..., 0]
                 own[kind] = tiles.lay_out(means[kind]) * fitted[..., None]
                 noise[kind] = tiles.lay_out(variances[kind][..., None])[..., 0] * fitted
+                noise[kind] *= before[kind]
                 noise[kind] *= _find_ratio(own[kind], noise[kind])
                 taken[kind] = np.zeros(weight.shape, np.float32)
+                change[kind] = np.zeros_like(own[kind])
+            many = max(CHUNK // tiles.side**2, 1)
 
-            def shrink(begin, parts=parts, own=own, noise=noise, taken=taken):
-                part = slice(begin, begin + CHUNK)
+            def shrink(
+                begin,
+                parts=parts,
+                own=own,
+                noise=noise,
+                taken=taken,
+                before=before,
+                change=change,
+                many=many,
+            ):
+                part = slice(begin, begin + many)
                 basis, surfaces = parts.basis(part), parts.surfaces(part)
-                # Of a surface that one pixel shows the fit is exact but for rounding, which may be either way.
-                spared = 1.0 - np.minimum(np.einsum("tpk,tpk->tp", basis, basis), 1.0)
+                leverage = np.einsum("tpk,tpk->tp", basis, basis)
                 counts = parts.is_fitted[part] * weight[0, part, :, 0]
                 for kind in own:
+                    # What is left of noise has pixels in common. And of a surface that one pixel shows the fit is exact but
+                    # for rounding, which may be either way.
+                    spared = 1.0 - np.minimum(leverage / np.maximum(before[kind][part], 1e-6), 1.0)
                     changed, share = _shrink(
                         basis, spared, surfaces, own[kind][:, part], noise[kind][:, part]
                     )
-                    change[:, part] += changed * counts[..., None]
+                    change[kind][:, part] = changed * counts[..., None]
                     taken[kind][0, part, :, 0] = share.mean(axis=0) * spared * counts
 
             with ThreadPoolExecutor(os.cpu_count()) as pool:
-                list(pool.map(shrink, range(0, len(fitted), CHUNK)))
+                list(pool.map(shrink, range(0, len(fitted), many)))
             for kind in kinds:
                 gone[kind] = tiles.lay_back(taken[kind])[0, :, 0]
+                changes[kind] = tiles.lay_back(change[kind])
             yield None
-        return tiles.lay_back(change), gone
+        return changes, gone
 
 
 def _find_ratio(own: np.ndarray, noise: np.ndarray) -> np.float32:
@@ -276,13 +297,14 @@ class PixelSharing:
 
     Parameters
     ----------
-    tilings : list of Tiling    Their weights add up to 1; the first one begins with the picture.
+    stages : list of list of Tiling
+        One after the other. The weights of a stage add up to 1; its first tiling begins with the picture.
     columns : list of int    Channels of light.
     colour : (c,) array or None    What these are for each unit of luminance where all light has one colour, else None.
     """
 
-    def __init__(self, tilings: list[Tiling], columns: list[int], colour=None):
-        self._tilings, self._columns = tilings, columns
+    def __init__(self, stages: list[list[Tiling]], columns: list[int], colour=None):
+        self._stages, self._columns = stages, columns
         self._colour = None if colour is None else np.asarray(colour, dtype=np.float32)
 
     def share(self, means: dict[int, np.ndarray], variances: dict[int, np.ndarray]) -> Shared:
@@ -318,11 +340,20 @@ class PixelSharing:
             if error > least
         }
         variances = {kind: variances[kind].astype(np.float32) for kind in light}
-        for tiling in self._tilings if light else ():
-            changed, gone = yield from tiling.finding_changes(light, variances)
-            change[..., self._columns] += changed if self._colour is None else changed * self._colour
-            for kind, part in gone.items():
-                left[kind] -= part
+        whole = np.zeros((*first.shape[:2], len(wanted)), dtype=np.float32)
+        for tilings in self._stages if light else ():
+            made = []
+            for tiling in tilings:
+                made.append((yield from tiling.finding_changes(light, variances, left)))
+            for kind in light:
+                changes = [changed[kind] for changed, _ in made if kind in changed]
+                if not changes:
+                    continue
+                changed = sum(changes[1:], changes[0])
+                light[kind] += changed
+                whole += changed
+                left[kind] *= 1.0 - sum(gone[kind] for _, gone in made if kind in gone)
+        change[..., self._columns] = whole if self._colour is None else whole * self._colour
         yield Shared(change, left)
 
     def smoothed_away(self, change: np.ndarray, scale: np.ndarray) -> np.ndarray:
@@ -331,7 +362,7 @@ class PixelSharing:
         ``change``: as of `Shared`. ``scale``: what errors of pixels are relative to, (n,).
         """
         product = change[0].astype(np.float64) * change[1] / scale[:, None] ** 2
-        tiles = self._tilings[0].tiles
+        tiles = self._stages[0][0].tiles
         count = (tiles.pixels >= 0).sum(axis=1)[:, None]
         sums = tiles.lay_out(product[None])[0].sum(axis=1)
         each = np.maximum(tiles.average_around(sums / count), 0.0)
@@ -399,15 +430,20 @@ def finding_sharing(scene, film: Film, channels, is_apart: bool, lanes: int = LA
     # Light in view is mostly exact but at edges, where a pixel's own samples know best how much of it is seen.
     is_inner = is_pure & _is_inner(pixel, np.where(is_pure, surface, -1), camera)[pixel]
     wanted = is_matt, is_inner & ~is_matt if is_apart else is_inner
-    tilings = []
-    for shift, weight in zip(SHIFTS, weigh_tilings(camera.width, camera.height), strict=True):
-        tiles = Tiles(camera.width, camera.height, shift)
-        of_matt, of_view = (
-            _find_parts(tiles, pixel[some], surface[some], amount[some]) for some in wanted
-        )
-        tilings.append(Tiling(tiles, of_matt, of_view, weight))
-        yield None
-    yield PixelSharing(tilings, channels.light_columns, channels.light_colour)
+    stages = []
+    for side in SIDES:
+        tilings = []
+        for shift, weight in zip(
+            SHIFTS, weigh_tilings(camera.width, camera.height, side), strict=True
+        ):
+            tiles = Tiles(camera.width, camera.height, int(shift * side), side)
+            of_matt, of_view = (
+                _find_parts(tiles, pixel[some], surface[some], amount[some]) for some in wanted
+            )
+            tilings.append(Tiling(tiles, of_matt, of_view, weight))
+            yield None
+        stages.append(tilings)
+    yield PixelSharing(stages, channels.light_columns, channels.light_colour)
 
 
 def _is_inner(pixel, surface, camera) -> np.ndarray:
@@ -429,12 +465,12 @@ def _is_inner(pixel, surface, camera) -> np.ndarray:
     return inner.ravel()
 
 
-def weigh_tilings(width: int, height: int) -> np.ndarray:
+def weigh_tilings(width: int, height: int, side: int = TILE) -> np.ndarray:
     """Weights of pixels in the tilings by `SHIFTS`: they fall to 0 at the edges of tiles, so that none is seen. (2, n)"""
     weights = []
     for shift in SHIFTS:
         x, y = (
-            1.0 - np.abs((np.arange(size) + shift) % TILE + 0.5 - 0.5 * TILE) / (0.5 * TILE)
+            1.0 - np.abs((np.arange(size) + shift * side) % side + 0.5 - 0.5 * side) / (0.5 * side)
             for size in (width, height)
         )
         weights.append((y[:, None] * x).ravel())

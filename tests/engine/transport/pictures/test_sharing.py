@@ -10,6 +10,7 @@ from lumenray.engine.transport.pictures.allocation import TILE
 from lumenray.engine.transport.pictures.pixel_light import DIRECT, GATHERED, VIEW
 from lumenray.engine.transport.pictures.sharing import (
     SHIFTS,
+    SIDES,
     Parts,
     PixelSharing,
     Tiles,
@@ -26,17 +27,20 @@ Z = 4.0
 
 def sharing_of(reflectance, surface):
     """Sharing of a picture whose pixels show matt surfaces. (h, w) each; ``surface``: numbers 0 and 1."""
-    tilings = []
-    for shift, weight in zip(SHIFTS, weigh_tilings(WIDTH, HEIGHT), strict=True):
-        tiles = Tiles(WIDTH, HEIGHT, shift)
-        inside = tiles.pixels >= 0
-        amounts = np.zeros((*tiles.pixels.shape, 3), dtype=np.float32)
-        for number in (0, 1):
-            part = (reflectance * (surface == number)).ravel()[np.maximum(tiles.pixels, 0)]
-            amounts[..., number] = part * inside
-        nothing = Parts(0.0 * amounts, 0 * inside > 0)
-        tilings.append(Tiling(tiles, Parts(amounts, inside), nothing, weight))
-    return PixelSharing(tilings, [0, 1, 2])
+    stages = []
+    for side in SIDES:
+        tilings = []
+        for shift, weight in zip(SHIFTS, weigh_tilings(WIDTH, HEIGHT, side), strict=True):
+            tiles = Tiles(WIDTH, HEIGHT, int(shift * side), side)
+            inside = tiles.pixels >= 0
+            amounts = np.zeros((*tiles.pixels.shape, 3), dtype=np.float32)
+            for number in (0, 1):
+                part = (reflectance * (surface == number)).ravel()[np.maximum(tiles.pixels, 0)]
+                amounts[..., number] = part * inside
+            nothing = Parts(0.0 * amounts, 0 * inside > 0)
+            tilings.append(Tiling(tiles, Parts(amounts, inside), nothing, weight))
+        stages.append(tilings)
+    return PixelSharing(stages, [0, 1, 2])
 
 
 def lights():
@@ -94,8 +98,8 @@ def test_the_stated_error_is_the_true_one_whatever_the_light(name, noise):
 @pytest.mark.parametrize("name", ["slope", "texture"])
 def test_light_that_is_a_plane_has_the_error_of_all_samples_of_a_tile(name):
     true = np.mean([share(*lights()[name], 0.1, seed)[0].mean() for seed in range(6)])
-    # Three numbers of a plane from the pixels of a tile, and what chance lets pixels keep of their own.
-    assert true < 0.1**2 / 2.0 * (3.0 / TILE**2 + 0.08)
+    # Three numbers of a plane from the pixels of a tile of the first stage; the second one finds them of more.
+    assert true < 0.1**2 / 2.0 * 0.6 * 3.0 / TILE**2
 
 
 @pytest.mark.parametrize("name", lights())
@@ -103,7 +107,8 @@ def test_light_that_is_a_plane_has_the_error_of_all_samples_of_a_tile(name):
 def test_shared_light_is_no_worse_than_each_pixels_own(name, noise):
     light = lights()[name]
     true = np.mean([share(*light, noise, seed)[0].mean() for seed in range(6)])
-    assert true < 1.02 * noise**2 / 2.0
+    # What differs from the fit by about as much as noise does is drawn towards it as noise would be.
+    assert true < 1.05 * noise**2 / 2.0
 
 
 def test_an_edge_stays_as_soon_as_it_stands_out_of_the_noise():
