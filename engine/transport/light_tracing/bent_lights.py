@@ -37,7 +37,6 @@ from .emission_rays import (
     in_cap,
     solid_cap,
 )
-from .landed_ways import LandedWays
 from .light_paths import find_bent_lights, left_out_of
 from .targets import find_targets
 
@@ -111,8 +110,6 @@ class BentLights:
         self.lights = tuple(each.light for each in kept)
         self.notes = tuple(_notes(kept, found[len(kept) :], targets.names))
         self._kept, self._unseen = kept, None
-        ways = LandedWays(self.lines, len(kept))
-        self._ways = ways if ways.is_useful else None
         self._upload(kept)
         bent = sum(each.flux for each in kept)
         every = sum(source.flux for source in scene.lights.sources)
@@ -150,8 +147,6 @@ class BentLights:
         self._points = any(each.light.start == IDEAL for each in lights)
         self._surfaces = any(each.light.start == SURFACE for each in lights)
         dr.eval(self._rows)
-        if self._ways is not None:
-            self._ways.number(self._first_aims)
 
     def first_aim(self, number: int) -> int:
         """Row of the first aim of a light, by its place in ``lights``."""
@@ -187,8 +182,7 @@ class BentLights:
         limit : UInt32 or None    Most bends and reflections on the way.
         is_first : Bool or None    Whether the place is the first of a path that spreads light; None: all are.
         is_seen : Bool or None    Whether a camera sees the place at once; None: none does.
-        known : known_directions.Directions or None
-            Where this place is known to get such light from; None: by what lands about it.
+        known : known_directions.Directions or None    Where this place is known to get such light from.
 
         Returns
         -------
@@ -227,10 +221,6 @@ class BentLights:
             # Where little of the light is bent, few vertices of a path ask for it.
             chance = dr.select(is_first, 1.0, self._asks)
             lit &= stream.next_float32() < chance
-        if known is None and self._ways is not None:
-            # Of lights that are traced to the camera places tell too, so there the aims alone are asked.
-            asks = lit if is_seen is None or self._unseen is None else lit & ~is_seen
-            known = self._ways.of(si.p, asks)
         index, total = self._choose(si.p, stream.next_float32(), count, lit)
         direction = self._direct(index, si.p, stream)
         if known is not None:
