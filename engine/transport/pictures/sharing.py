@@ -3,7 +3,7 @@
 The light that a matt surface gets varies little over the few pixels of a tile, but for its reflectance, which is known. So
 in each half of the samples the means Y of a tile's pixels are fitted by what they see: for each surface a plane over the
 pixels, times the reflectance of what of it a pixel shows. A pixel then has Z = Y + D with D = l (fit - Y). The share l is
-the part of the residuals that is noise, so that edges of shadows, which no plane fits, stay where they are as soon as they
+up to twice the part of the residuals that is noise, so that edges of shadows, which no plane fits, stay where they are as soon as they
 stand out of the noise (W. James, C. Stein: Estimation with quadratic loss, 1961); with more samples l goes to 0.
 
 Half a and half b know nothing of each other. So, whatever D is, the square of the error of the mean of both is expected to
@@ -68,8 +68,9 @@ LEAST_RATIO = 0.1
 """Variance of well-distributed points over that of independent ones, at least. [-]"""
 
 TRUST = 2.0
-"""How far pixels are drawn towards the fit, relative to the part of the residuals that is noise: of few samples the noise of a
-tile is known badly, and to leave some of it costs more than to smooth some light away, which is told in any case. [-]"""
+"""How far pixels are drawn towards the fit, relative to the part of the residuals that is noise. 1 were best if the noise of a
+tile was known, and 2 is the most with which none is worse than by its own samples; of few samples it is mostly found too small,
+and to leave a tenth of it costs more than to smooth some light away, which is told in any case. [-]"""
 
 CHUNK = 1 << 17
 """Pixels that are fitted at once, about."""
