@@ -4,8 +4,8 @@ The light that a matt surface gets varies little over the few pixels of a tile, 
 in each half of the samples the means Y of a tile's pixels are fitted by what they see: for each surface a plane over the
 pixels, times the reflectance of what of it a pixel shows. A pixel then has Z = Y + D with D = l (fit - Y). The share l is
 up to twice the part of the residuals that is noise, so that edges of shadows, which no plane fits, stay where they are as
-soon as they stand out of the noise (W. James, C. Stein: Estimation with quadratic loss, 1961); with more samples l goes to 0.
-It is then shared once more in larger tiles.
+soon as they stand out of the noise (W. James, C. Stein: Estimation with quadratic loss, 1961); with more samples l goes to
+0. It is then shared once more in larger tiles.
 
 Half a and half b know nothing of each other. So, whatever D is, the square of the error of the mean of both is expected to
 be that of
@@ -71,8 +71,9 @@ LEAST_RATIO = 0.1
 TRUST = 2.0
 """How far pixels are drawn towards the fit, relative to the part of the residuals that is noise. [-]
 
-1 were best if the noise of a tile was known, and 2 is the most with which none is worse than by its own samples. Of few samples
-it is mostly found too small, and to leave a tenth of it costs more than to smooth some light away, which is told in any case."""
+1 were best if the noise of a tile was known, and 2 is the most with which none is worse than by its own samples. Of few
+samples it is mostly found too small, and to leave a tenth of it costs more than to smooth some light away, which is told in
+any case."""
 
 CHUNK = 1 << 17
 """Pixels that are fitted at once, about."""
