@@ -48,10 +48,14 @@ BELIEVED = 8
 FORETOLD = 16
 """Samples per pixel from which on it is foretold how many will be needed: of fewer it is not known where they will go."""
 
-POWER, STEEPEST, SUPPORT = -0.06, -0.2, 1.5
+POWER, STEEPEST, SHALLOWEST, SUPPORT = -0.06, -0.2, 0.15, 1.5
 """Power of the samples by which the square of the error falls beside that of independent ones, as low-discrepancy points do
-better the more there are: what is supposed of kinds that are sampled apart, the steepest that is believed, and how much the
-supposed one counts, as a sum of squares of logarithms of ratios of samples."""
+better the more there are: what is supposed of kinds that are sampled apart, the steepest that is believed, the shallowest
+where pixels share light, which they do less and less, and how much the supposed one counts, as a sum of squares of logarithms
+of ratios of samples."""
+
+FORETOLD_LEFT = 0.25
+"""Power of the part of the noise that sharing leaves now, which stands for what it will leave: 1 would be as now, 0 all."""
 
 DARK = 1 << 20
 """Samples of a whole picture that have found no light at all, after which it is known to be dark."""
@@ -337,8 +341,11 @@ class _Passes:
             found[VIEW] = found[VIEW] + self._scatter(VIEW, 1).mean(axis=0) / _scale(lux) ** 2
         return found
 
-    def _scatter(self, kind: int, number: int) -> np.ndarray:
-        """Variance of the mean of a kind's samples, of one of `STEERING`, as those of each half scatter. (2, n)"""
+    def _scatter(self, kind: int, number: int, power: float = 1.0) -> np.ndarray:
+        """Variance of the mean of a kind's samples, of one of `STEERING`, as those of each half scatter. (2, n)
+
+        ``power``: of the part that sharing leaves of it; 0: as if nothing was shared.
+        """
         count = self.allocation.of_pixels(kind)
         mean = self._mean(kind, STEERING[number])
         around = np.maximum(self.squares[kind][number] / count - mean**2, 0.0)
@@ -346,7 +353,7 @@ class _Passes:
         if kind == VIEW and number == 0:
             scatter = scatter + self.light.channels.scatter_of_catchers(self._mean(kind), count)
         if self._shared is not None and number == 0 and kind in self._shared.left:
-            scatter *= self._shared.left[kind]
+            scatter *= self._shared.left[kind] ** power
         return scatter
 
     def _foresee(self, halves: np.ndarray, squares: dict[int, np.ndarray]) -> tuple[float, float]:
@@ -360,7 +367,8 @@ class _Passes:
         """
         scale = _scale(halves.mean(axis=0))
         others = np.stack([_scale(each) for each in halves[::-1]])
-        scatter = {kind: self._scatter(kind, 0) for kind in self.sums}
+        # With more samples sharing leaves more of it than now, and all at most.
+        scatter = {kind: self._scatter(kind, 0, FORETOLD_LEFT) for kind in self.sums}
         own, other = (
             {kind: (each / by**2).mean(axis=0) for kind, each in scatter.items()}
             for by in (scale, others)
@@ -391,7 +399,7 @@ class _Passes:
         samples = samples - samples.mean()
         supposed = POWER if len(self.sums) > 1 else 0.0
         power = (SUPPORT * supposed + samples @ parts) / (SUPPORT + samples @ samples)
-        return float(np.clip(power, STEEPEST, 0.0))
+        return float(np.clip(power, STEEPEST, 0.0 if self._shared is None else SHALLOWEST))
 
     def _pass(self, added: dict[int, np.ndarray]) -> None:
         cells, allocation = self.light.cells, self.allocation
@@ -401,7 +409,8 @@ class _Passes:
         lanes = LANES if allocation.samples else FIRST_LANES
         work = sum(float(more @ allocation.size) for more in added.values()) * GROUPS
         done = 0.0
-        begun = deque()
+        # What comes first is shown as it comes.
+        ahead, begun = AHEAD if allocation.samples else 0, deque()
         for half in range(GROUPS):
             if cells is not None:
                 cells.use(half)
@@ -410,7 +419,7 @@ class _Passes:
                     if self.cancelled():
                         raise Cancelled("cancelled")
                     begun.append((kind, part, half, self.light.begin(kind, part, half)))
-                    if len(begun) > AHEAD:
+                    if len(begun) > ahead:
                         self._add(*begun.popleft())
                     done += len(part.lumel) * part.samples
                 self._report_part(added, done / max(work, 1.0))
@@ -573,4 +582,5 @@ def _floors(channels, estimate: Estimate, by_chance: np.ndarray, shape) -> dict:
 
 def _scale(values: np.ndarray) -> np.ndarray:
     """What errors of values are relative to, as `relative_error` counts them."""
+    values = np.asarray(values, dtype=np.float64)
     return np.maximum(values, max(values.mean(), 1e-30))

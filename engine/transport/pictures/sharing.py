@@ -357,7 +357,9 @@ class PixelSharing:
                 light[kind] += changed
                 whole += changed
                 left[kind] *= 1.0 - sum(gone[kind] for _, gone in made if kind in gone)
-        change[..., self._columns] = whole if self._colour is None else whole * self._colour
+        if light:
+            # Without any light its colour is no number.
+            change[..., self._columns] = whole if self._colour is None else whole * self._colour
         yield Shared(change, left)
 
     def smoothed_away(self, change: np.ndarray, scale: np.ndarray) -> np.ndarray:
