@@ -51,8 +51,8 @@ FORETOLD = 16
 POWER, STEEPEST, SHALLOWEST, SUPPORT = -0.06, -0.2, 0.15, 1.5
 """Power of the samples by which the square of the error falls beside that of independent ones, as low-discrepancy points do
 better the more there are: what is supposed of kinds that are sampled apart, the steepest that is believed, the shallowest
-where pixels share light, which they do less and less, and how much the supposed one counts, as a sum of squares of logarithms
-of ratios of samples."""
+where pixels share light, which they do less and less, and how much the supposed one counts, as a sum of squares of
+logarithms of ratios of samples."""
 
 FORETOLD_LEFT = 0.25
 """Power of the part of the noise that sharing leaves now, which stands for what it will leave: 1 would be as now, 0 all."""
