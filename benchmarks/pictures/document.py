@@ -109,8 +109,22 @@ def _machine(result: dict) -> str:
     return (
         f"## Machine\n\n{machine['cpu']}, {machine['cores']} cores, {machine['memory_gib']} GiB, {machine['system']}; "
         f"Python {machine['python']}, Mitsuba {machine['mitsuba']}, Lumenray {machine['lumenray']}. Pictures of "
-        f"{width} x {height} pixels, at most {result['budget']:g} s for each program in a scene.\n"
+        f"{width} x {height} pixels, at most {_budgets(result)} s for each program in a scene.\n"
         f"{BY_PROCESSOR if _is_by_processor(result) else ''}"
+    )
+
+
+def _budgets(result: dict) -> str:
+    """Time of all scenes, or of those that had another one too."""
+    most: dict[float, list[str]] = {}
+    for scene in result["scenes"]:
+        most.setdefault(scene.get("budget", result["budget"]), []).append(scene["key"])
+    if len(most) == 1:
+        return f"{next(iter(most)):g}"
+    parts = sorted(most.items(), key=lambda each: len(each[1]))
+    return (
+        ", ".join(f"{budget:g} ({', '.join(keys)})" for budget, keys in parts[:-1])
+        + f" or {parts[-1][0]:g}"
     )
 
 
