@@ -26,7 +26,7 @@ def measure_bias(ours: Lumenray, plain: Lumenray, row: dict, budget: float, say)
     samples = max(affordable, default=row["samples"][0])
     stacks = []
     for program, first in ((ours, FIRST_SEED), (plain, SECOND_SEED)):
-        made = [program.refer(samples, first + number).luminance for number in range(SEEDS)]
+        made = [program.render(samples, first + number).luminance for number in range(SEEDS)]
         stacks.append(np.stack(made))
     found = find_bias(*stacks) | {"samples": samples}
     say(
