@@ -54,7 +54,7 @@ better the more there are: what is supposed of kinds that are sampled apart, the
 where pixels share light, which they do less and less, and how much the supposed one counts, as a sum of squares of
 logarithms of ratios of samples."""
 
-FORETOLD_LEFT = 0.25
+FORETOLD_LEFT = 0.45
 """Power of the part of the noise that sharing leaves now, which stands for what it will leave: 1 would be as now, 0 all."""
 
 DARK = 1 << 20
