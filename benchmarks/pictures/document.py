@@ -51,8 +51,9 @@ STAND_INS = """ Measured paints are
 BIAS = """## Bias
 
 {seeds} pictures of ours and as many of plain paths, and the means of their {block} x {block} blocks; all in % of the mean
-luminance. So what sharing between pixels moves over edges of light counts too, of pictures of so few samples. *Noise* is the standard error of a block's difference, *spread* what the differences have beyond it, both as root
-mean squares. *Interval*: what a block's difference may be by chance, so that all blocks of a picture hold it with 95 %.
+luminance. So what sharing between pixels moves over edges of light counts too, of pictures of so few samples. *Noise* is the
+standard error of a block's difference, *spread* what the differences have beyond it, both as root mean squares. *Interval*:
+what a block's difference may be by chance, so that all blocks of a picture hold it with 95 %.
 *Beyond noise*: the largest difference of a block less its interval; 0 means that none is shown, and none could be that is
 smaller than the interval.
 """
