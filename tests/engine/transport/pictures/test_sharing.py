@@ -25,7 +25,7 @@ WIDTH, HEIGHT = 161, 118
 Z = 4.0
 
 
-def sharing_of(reflectance, surface):
+def sharing_of(reflectance, surface, colour=None):
     """Sharing of a picture whose pixels show matt surfaces. (h, w) each; ``surface``: numbers 0 and 1."""
     stages = []
     for side in SIDES:
@@ -40,7 +40,7 @@ def sharing_of(reflectance, surface):
             nothing = Parts(0.0 * amounts, 0 * inside > 0)
             tilings.append(Tiling(tiles, Parts(amounts, inside), nothing, weight))
         stages.append(tilings)
-    return PixelSharing(stages, [0, 1, 2])
+    return PixelSharing(stages, [0, 1, 2], colour)
 
 
 def lights():
@@ -107,8 +107,21 @@ def test_light_that_is_a_plane_has_the_error_of_all_samples_of_a_tile(name):
 def test_shared_light_is_no_worse_than_each_pixels_own(name, noise):
     light = lights()[name]
     true = np.mean([share(*light, noise, seed)[0].mean() for seed in range(6)])
-    # What differs from the fit by about as much as noise does is drawn towards it as noise would be.
-    assert true < 1.05 * noise**2 / 2.0
+    assert true < 1.02 * noise**2 / 2.0
+
+
+def test_light_of_one_colour_is_shared_by_its_luminance_alone():
+    true, reflectance, surface = lights()["two surfaces"]
+    colour = np.array([0.9, 1.0, 1.3], np.float32)
+    draw = np.random.default_rng(4)
+    noisy = true.ravel() * (1.0 + 0.1 * draw.normal(size=(2, true.size)))
+    means = {GATHERED: (noisy[..., None] * colour).astype(np.float32)}
+    variances = {GATHERED: np.stack([(0.1 * true.ravel()) ** 2] * 2)}
+    each, alone = (
+        sharing_of(reflectance, surface, known).share(means, variances).change
+        for known in (None, colour)
+    )
+    np.testing.assert_allclose(alone, each, atol=1e-5)
 
 
 def test_an_edge_stays_as_soon_as_it_stands_out_of_the_noise():
