@@ -10,7 +10,7 @@ from .card import tell_card
 from .chart import STYLES
 from .forecast import SHRINK, TAKEN_AT
 from .programs import CYCLES, OURS
-from .race import BELIEVED, TRIES, reach
+from .race import BELIEVED, FINER, TRIES, reach
 from .scenes import SIZE
 from .statistics import BASE, BLOCK, COARSEST, FLATTEST, INDEPENDENT, STEEPEST, TARGETS
 from .summary import RIVALS, ratio, scene_calibration, speedup
@@ -25,10 +25,10 @@ To repeat it: `lumenray benchmark pictures --json out/pictures.json`; `--scenes`
 - **Relative error**: root mean square over the pixels of the error over the larger of a pixel's own and the mean
   luminance, as our pictures state it.
 - **True errors** need no converged picture. Each program makes two pictures more, of other seeds and as many samples as its
-  longest run; what a picture differs from the one, times what it differs from the other, is the square of its error on the
-  mean. In these two our pixels share no light, so that what sharing smooths away counts as an error. So a program is
-  compared with itself, and differences of models between programs do not count. *Reference* is the error of the mean of
-  these two.
+  longest run, or up to {finer} times as many if there is time; what a picture differs from the one, times what it differs
+  from the other, is the square of its error on the mean. In these two our pixels share no light, so that what sharing
+  smooths away counts as an error. So a program is compared with itself, and differences of models between programs do not
+  count. *Reference* is the error of the mean of these two.
 - **Time** is that of the whole call, what is learned of the scene and cells included; compiling the scene (Cycles: building
   it and its tree) is not, and kernels are made before. Every run is made {tries} times with other seeds: the fastest counts,
   and the error of all. Programs run in turn. Times between runs are interpolated; **\\*** marks times that are *extended*:
@@ -50,12 +50,15 @@ STAND_INS = """ Measured paints are
 
 BIAS = """## Bias
 
-{seeds} pictures of ours and as many of plain paths, and the means of their {block} x {block} blocks; all in % of the mean
-luminance. So what sharing between pixels moves over edges of light counts too, of pictures of so few samples. *Noise* is the
-standard error of a block's difference, *spread* what the differences have beyond it, both as root mean squares. *Interval*:
-what a block's difference may be by chance, so that all blocks of a picture hold it with 95 %.
-*Beyond noise*: the largest difference of a block less its interval; 0 means that none is shown, and none could be that is
-smaller than the interval.
+{seeds} pictures of ours whose pixels share no light and as many of plain paths, and the means of their {block} x {block}
+blocks: what cells change; all in % of the mean luminance. *Noise* is the standard error of a block's difference, *spread*
+what the differences have beyond it, both as root mean squares. *Interval*: what a block's difference may be by chance, so
+that all blocks of a picture hold it with 95 %. *Beyond noise*: the largest difference of a block less its interval; 0 means
+that none is shown, and none could be that is smaller than the interval.
+"""
+
+SHARING = """What sharing light between pixels moves, by {seeds} pictures of the same samples with it and without. It smooths edges
+of light away that few samples do not show, and comes to an end with more of them; the stated errors have it.
 """
 
 CALIBRATION = """## Stated errors and forecasts
@@ -82,6 +85,7 @@ def write_document(result: dict, path: Path) -> None:
     scenes = result["scenes"]
     title = TITLE.format(
         tries=TRIES,
+        finer=FINER,
         base=BASE,
         coarsest=100 * COARSEST,
         flattest=FLATTEST,
@@ -244,21 +248,29 @@ def _refusals(scenes: list[dict]) -> str:
 
 
 def _bias(scenes: list[dict]) -> list[str]:
-    rows = []
-    for scene in scenes:
-        found = scene["bias"]
-        if found is None:
-            continue
-        whole = f"{found['mean']:+.3f} ± {found['mean_interval']:.3f}"
-        numbers = [f"{found[k]:.3f}" for k in ("noise", "spread", "largest", "interval", "worst")]
-        cells = [_name(scene), str(found["samples"]), str(found["blocks"]), whole, *numbers]
-        rows.append(f"| {' | '.join(cells)} |")
-    if not rows:
+    known = [scene for scene in scenes if scene["bias"] is not None]
+    if not known:
         return []
-    head = (
-        "| scene | samples | blocks | whole | noise | spread | largest | interval | beyond noise |"
+    return [
+        BIAS.format(seeds=SEEDS, block=BLOCK),
+        _blocks((scene, scene["bias"]) for scene in known),
+        SHARING.format(seeds=SEEDS),
+        _blocks((scene, scene["bias"]["sharing"]) for scene in known),
+    ]
+
+
+def _blocks(found) -> str:
+    """Differences by blocks: pairs of a scene and what `statistics.find_bias` has found."""
+    rows = []
+    for scene, each in found:
+        whole = f"{each['mean']:+.3f} ± {each['mean_interval']:.3f}"
+        numbers = [f"{each[k]:.3f}" for k in ("noise", "spread", "largest", "interval", "worst")]
+        cells = [_name(scene), f"{scene['bias']['samples']}", str(each["blocks"]), whole, *numbers]
+        rows.append(f"| {' | '.join(cells)} |")
+    return make_table(
+        "| scene | samples | blocks | whole | noise | spread | largest | interval | beyond noise |",
+        rows,
     )
-    return [BIAS.format(seeds=SEEDS, block=BLOCK), make_table(head, rows)]
 
 
 def _tell_forecast(row: dict) -> str:

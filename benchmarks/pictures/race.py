@@ -18,6 +18,9 @@ error of all."""
 BELIEVED = 8
 """Samples per pixel from which stated errors are judged, as pictures do not stop by those of fewer."""
 
+FINER = 8
+"""Samples of a picture of the reference over those of the longest run at most, where there is time left for them."""
+
 ENOUGH = 0.7 * min(TARGETS)
 """Error below which no finer run is made. [-]"""
 
@@ -73,8 +76,13 @@ class Runner:
         self.runs.append((samples, made))
 
     def find_reference(self) -> Reference:
-        """Make two pictures of other seeds with as many samples as the last run, which count together."""
-        samples = self.runs[-1][0]
+        """Make two pictures of other seeds, which count together, with at least as many samples as the last run."""
+        samples, last = self.runs[-1]
+        seconds = min(made.seconds for made in last)
+        finer = FINER
+        while finer > 1 and self.spent + 2 * finer * seconds > self.budget:
+            finer //= GROWTH
+        samples *= finer
         halves = [self.program.refer(samples, REFERENCE_SEED + number) for number in range(2)]
         return Reference(*(made.luminance for made in halves))
 

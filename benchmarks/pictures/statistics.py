@@ -163,20 +163,38 @@ def find_bias(ours: np.ndarray, plain: np.ndarray) -> dict:
         and ``seeds``, ``blocks``: how many.
     """
     count = len(ours)
-    level = 100.0 / float(plain.mean())
-    freedom = 2 * (count - 1)
 
-    def apart(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def differ(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         error = np.sqrt((a.var(axis=0, ddof=1) + b.var(axis=0, ddof=1)) / count)
-        return level * (a.mean(axis=0) - b.mean(axis=0)), level * error
+        return a.mean(axis=0) - b.mean(axis=0), error
 
-    difference, error = apart(block_means(ours), block_means(plain))
-    whole, whole_error = apart(ours.mean(axis=(1, 2)), plain.mean(axis=(1, 2)))
+    return _judge(ours, plain, differ, 2 * (count - 1))
+
+
+def find_moved(shared: np.ndarray, own: np.ndarray) -> dict:
+    """Compare block means of pictures of the same samples with and without something; as `find_bias`.
+
+    What the samples have by chance both have, so that smaller differences are found.
+    """
+    count = len(own)
+
+    def differ(a: np.ndarray, b: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return (a - b).mean(axis=0), (a - b).std(axis=0, ddof=1) / math.sqrt(count)
+
+    return _judge(shared, own, differ, count - 1)
+
+
+def _judge(first: np.ndarray, second: np.ndarray, differ, freedom: int) -> dict:
+    """What `find_bias` returns; ``differ(a, b)``: mean differences and their standard errors, of ``freedom`` degrees."""
+    level = 100.0 / float(second.mean())
+    difference, error = (level * each for each in differ(block_means(first), block_means(second)))
+    wholes = (each.mean(axis=(1, 2), dtype=np.float64) for each in (first, second))
+    whole, whole_error = (level * each for each in differ(*wholes))
     # By Bonferroni for all blocks at once.
     each = t_quantile(1.0 - 0.5 * (1.0 - CONFIDENCE) / difference.size, freedom)
     noise = float((error**2).mean())
     return {
-        "seeds": count,
+        "seeds": len(second),
         "blocks": int(difference.size),
         "mean": float(whole),
         "mean_interval": float(t_quantile(0.5 + 0.5 * CONFIDENCE, freedom) * whole_error),

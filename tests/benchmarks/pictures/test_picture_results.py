@@ -26,6 +26,7 @@ def row_of(scale: float, stated=None) -> dict:
 def made_up_scene(key: str, cycles: float, before: float, honesty: float, worst: float) -> dict:
     """Scene in which the others take ``cycles`` and ``before`` times as long as ours."""
     bias = dict.fromkeys(("mean", "noise", "spread", "largest", "interval"), 0.25)
+    bias |= {"seeds": 8, "blocks": 1000, "worst": worst, "mean_interval": 0.1}
     return {
         "key": key,
         "title": key.title(),
@@ -36,8 +37,7 @@ def made_up_scene(key: str, cycles: float, before: float, honesty: float, worst:
             "before": row_of(0.1 * before, honesty),
             "cycles": row_of(0.1 * cycles),
         },
-        "bias": bias
-        | {"seeds": 8, "blocks": 1000, "samples": 8, "worst": worst, "mean_interval": 0.1},
+        "bias": bias | {"samples": 8, "sharing": bias | {"worst": 7.0}},
         "forecasts": [
             {"target": 0.05, "seconds": 9.0, "at": 0.1, "share": 1.04},
             {"target": 0.05, "seconds": 9.0, "at": None, "share": None},
@@ -130,6 +130,8 @@ def test_the_document_and_its_pictures_are_written(tmp_path):
         assert (tmp_path / name).stat().st_size > 100
     assert "Times are not to be relied on" in text
     assert "This was a short run" not in text
+    # What sharing moves is told, and is none of what cells change.
+    assert text.count("| 7.000 |") == 2
     read = pictures.read_results(tmp_path / "all.json")
     assert read["speedup"] == json.loads(json.dumps(result["speedup"]))
 

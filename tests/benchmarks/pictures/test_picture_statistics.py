@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 
 from lumenray.benchmarks.pictures.programs import Made
-from lumenray.benchmarks.pictures.race import race, reach
+from lumenray.benchmarks.pictures.race import FINER, race, reach
 from lumenray.benchmarks.pictures.statistics import (
     Reference,
     block_means,
     error_of_pair,
     find_bias,
+    find_moved,
     seconds_to,
 )
 
@@ -134,6 +135,16 @@ def test_a_bias_that_was_put_in_is_found():
     assert whole["mean_interval"] < 0.1
 
 
+def test_what_is_moved_in_the_same_samples_is_found_below_their_noise():
+    own, offset = stack(0.5, 7), np.zeros(SHAPE)
+    offset[16:32, 32:48] = 2.5
+    found = find_moved(own + offset + stack(0.01, 8) - 50.0, own)
+    # Pictures of other samples would differ by 1.6 % by chance.
+    assert found["largest"] == pytest.approx(5.0, abs=0.1)
+    assert found["worst"] == pytest.approx(5.0, abs=0.4)
+    assert found["mean"] == pytest.approx(5.0 * 256 / offset.size, abs=found["mean_interval"])
+
+
 class Pretender:
     """Program with a relative error of ``constant`` / sqrt(n), that says it took ``each`` seconds a sample."""
 
@@ -167,6 +178,9 @@ def test_programs_race_in_turn_within_their_budget():
         row = rows[program.name]
         made = [samples for name, samples, seed in log if name == program.name and seed != 1]
         assert program.each * sum(made) <= budget
+        # What is left of it makes the reference finer.
+        finer = made[-1] // row["samples"][-1]
+        assert finer == FINER or program.each * (sum(made[:-2]) + 4 * made[-1]) > budget
         # A further run and its reference would not have fitted.
         assert program.each * (sum(made) + 4 * row["samples"][-1]) > budget
         expected = program.constant / np.sqrt(row["samples"])
