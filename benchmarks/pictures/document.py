@@ -57,8 +57,8 @@ that all blocks of a picture hold it with 95 %. *Beyond noise*: the largest diff
 that none is shown, and none could be that is smaller than the interval.
 """
 
-SHARING = """What sharing light between pixels moves, by {seeds} pictures of the same samples with it and without. It smooths edges
-of light away that few samples do not show, and comes to an end with more of them; the stated errors have it.
+SHARING = """What sharing light between pixels moves, by {seeds} pictures of the same samples with it and without. It smooths
+edges of light away that few samples do not show, and comes to an end with more of them; the stated errors have it.
 """
 
 CALIBRATION = """## Stated errors and forecasts
