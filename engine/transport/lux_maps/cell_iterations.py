@@ -50,6 +50,9 @@ FEWEST_SWEEPS, MOST_SWEEPS = 3, 100
 NEGLIGIBLE = 1e-3
 """Share of all light that further sweeps would add. [-]"""
 
+SOON = 0.01
+"""The same of jobs that are to begin soon: the careful sweep and those that follow add most of it. [-]"""
+
 SHADE, SHADE_SAMPLES = 0.02, 8
 """Light of a side, relative to the mean, below which it counts as dark; and samples of it in a sweep of dark ones, over all
 turns. [-]"""
@@ -91,6 +94,7 @@ class Sweeper:
     looks : (2 c,) array or None
         How often the job looks at every side. What light there is, is counted by it: the sunlit ground before a window holds
         a thousand times the light of the room. None: by area.
+    margin : (m,) array    Neighbours of ``sides`` that are not read: they only tell which of these are uneven.
 
     Attributes
     ----------
@@ -107,6 +111,7 @@ class Sweeper:
         cancelled=lambda: False,
         left_out=None,
         looks: np.ndarray | None = None,
+        margin: np.ndarray | tuple = (),
     ):
         self.scene, self.cells, self.cancelled = scene, cells, cancelled
         self._left_out = left_out
@@ -116,6 +121,7 @@ class Sweeper:
         is_known = looks is not None and looks[sides].sum() > 0.0
         self._worth = looks if is_known else np.repeat(cells.area, 2)
         self._set_sides(sides)
+        self._margin = np.asarray(margin, dtype=self._sides.dtype)
 
     def find(self, work: float | None = None, careful: int = CAREFUL_PATHS) -> None:
         """Find the light of all cells from nothing, and which cells are too uneven to be read.
@@ -140,7 +146,8 @@ class Sweeper:
         samples of a turn in the last sweep, `LEAST_CAREFUL` or `QUARTERS`.
         """
         turns = self.cells.bands.turns
-        lit = yield from self._renewing() if is_warm else self._converging()
+        negligible = SOON if least < LEAST_CAREFUL else NEGLIGIBLE
+        lit = yield from self._renewing() if is_warm else self._converging(negligible)
         lanes = max(self.lanes_per_sample, 1)
         wanted = max(CAREFUL // turns, careful // lanes)
         if work is not None:
@@ -148,15 +155,21 @@ class Sweeper:
         # In photometric variants one turn is all there is.
         wanted = max(wanted, least if turns > 1 else LEAST_CAREFUL)
         samples = 1 << min(int(np.log2(wanted)), int(np.log2(MOST_CAREFUL)))
-        for number, share in enumerate((ROUGH_SHARE, 1.0)):
-            if is_warm and share < 1.0:
-                # What it sets out from has no lack of samples.
-                continue
-            made = yield from self._sweeping(FIRST_SWEEPS - 1 - number, int(share * samples))
+        rough = int(ROUGH_SHARE * samples)
+        # What is as rough already, or has no lack of samples, gains nothing.
+        if not is_warm and rough > max(FEWEST // turns, 1):
+            made = yield from self._sweeping(FIRST_SWEEPS - 1, rough)
             values = self._balanced(made)
             lit |= values.max(axis=1, initial=0.0) > 0.0
             self._store(values)
-        self._mark_uneven(made.sum(axis=0))
+        read = self._sides
+        self._set_sides(np.concatenate([read, self._margin]))
+        made = yield from self._sweeping(FIRST_SWEEPS - 2, samples)
+        values = self._balanced(made)[: len(read)]
+        lit |= values.max(axis=1, initial=0.0) > 0.0
+        self._mark_uneven(made.sum(axis=0), len(read))
+        self._set_sides(read)
+        self._store(values)
         yield from self._emptying_shade(values)
         # Sides that no light was ever found on lie inside solids.
         self._set_sides(self._sides[lit])
@@ -183,7 +196,7 @@ class Sweeper:
         self._store(np.zeros((len(self._sides), self.cells.bands.count)))
         return (yield from self._converging())
 
-    def _converging(self):
+    def _converging(self, negligible: float = NEGLIGIBLE):
         """Sweep from nothing until the rest is negligible; returns which sides any light was found on."""
         total, before = 0.0, None
         turns = self.cells.bands.turns
@@ -202,7 +215,7 @@ class Sweeper:
                 break
             if before is not None and number >= FEWEST_SWEEPS and not grows:
                 share = min(change / before, 0.98) if before > 0.0 else 0.0
-                if change * max(share / (1.0 - share), 1.0) <= NEGLIGIBLE * now:
+                if change * max(share / (1.0 - share), 1.0) <= negligible * now:
                     break
             before = change
         return lit
@@ -282,7 +295,8 @@ class Sweeper:
         self.cells.values = upload(mi.Float, table)
         dr.eval(self.cells.values)
 
-    def _mark_uneven(self, made: np.ndarray) -> None:
+    def _mark_uneven(self, made: np.ndarray, read: int) -> None:
+        """Mark sides that are too uneven to be read, all but the first ``read`` of those at work among them."""
         light = self._light_of_halves(made.astype(np.float64))
         quarters = light.mean(axis=2)
         noise = np.sqrt(((light[..., 0] - light[..., 1]) ** 2).mean(axis=1) / 4.0)
@@ -293,7 +307,7 @@ class Sweeper:
         marked &= (brightest > UNEVEN * darkest) & (brightest > DARK * mean)
         marked |= self._edges(quarters.mean(axis=1), noise, mean)
         flags = np.ones(max(2 * self.cells.count, 1), dtype=bool)
-        flags[self._sides] = marked
+        flags[self._sides[:read]] = marked[:read]
         self.cells.uneven = upload(mi.Bool, flags)
         dr.eval(self.cells.uneven)
 

@@ -549,13 +549,11 @@ class _Passes:
         samples = CHECK_SHARE * self.samples * self.pixels
         count = int(np.clip(samples, FEWEST_CHECKS, MOST_CHECKS))
         draw = np.random.default_rng([self.light.seed & 0xFFFFFFFF, 78])
-        found = []
-        for half in range(GROUPS):
-            if self.cancelled():
-                raise Cancelled("cancelled")
-            self.light.cells.use(half)
-            found.append(self.light.differences(np.sort(draw.integers(0, self.pixels, count))))
-        found = np.concatenate(found) / max(luminance, 1e-30)
+        if self.cancelled():
+            raise Cancelled("cancelled")
+        self.light.cells.use_mean()
+        found = self.light.differences(np.sort(draw.integers(0, self.pixels, GROUPS * count)))
+        found /= max(luminance, 1e-30)
         bias, error = float(found.mean()), float(found.std(ddof=1) / np.sqrt(len(found)))
         beyond = max(abs(bias) - CHANCE * error, 0.0)
         note = (

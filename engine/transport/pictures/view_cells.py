@@ -26,7 +26,7 @@ from ..paths.visible_surfaces import Sight
 NEAR_SHARE, MOST_FINER = 0.1, 2.0
 """Share of rays that may land too near for cells to be read before there are more of them, and how many times more."""
 
-SWEPT, MOST_SWEPT = 1 << 18, 64
+SWEPT, MOST_SWEPT = 1 << 17, 64
 """Paths of a sweep for all groups together, about, and most samples of a cell and turn in it."""
 
 APART = 2
@@ -57,6 +57,8 @@ class Division:
     cells : CellSet
     sides : (n,) uint32 array    Sides of cells that may be seen.
     looks : (2 c,) array    How often every side is looked at.
+    read : (m,) uint32 array
+        Sides that are looked at. Light of the others would be read too seldom to be worth its sweeps: paths go on there.
     turn : int    How many have used the cells. They hold what the last one of these has put into them.
     """
 
@@ -73,6 +75,7 @@ class Division:
         self.looks = np.zeros(0)
         if self.cells:
             self.sides, self.looks = sight.sides(self.cells)
+        self.read = self._looked_at()
 
     def serves(self, scene, sight: Sight, wanted: int) -> bool:
         """Whether another view, or another state of the scene, may have the same cells."""
@@ -94,12 +97,27 @@ class Division:
             return False
         sides, looks = sight.sides(self.cells)
         is_known = np.zeros(len(looks), dtype=bool)
-        is_known[self.sides] = True
+        is_known[self.read] = True
         self.looks = looks
         if looks[~is_known].sum() <= unknown * looks.sum():
             return False
         self.sides = np.union1d(self.sides, sides).astype(np.uint32)
+        self.read = np.union1d(self.read, self._looked_at()).astype(np.uint32)
         return True
+
+    def margin(self) -> np.ndarray:
+        """Neighbours of sides that are read, which are not read themselves. (k,) uint32"""
+        count = 2 * self.cells.count
+        is_read, beside = np.zeros(count, dtype=bool), np.zeros(count, dtype=bool)
+        is_read[self.read] = True
+        for face in (0, 1):
+            a, b = (2 * each + face for each in self.cells.neighbours)
+            beside[a[is_read[b]]] = True
+            beside[b[is_read[a]]] = True
+        return self.sides[(beside & ~is_read)[self.sides]]
+
+    def _looked_at(self) -> np.ndarray:
+        return self.sides[self.looks[self.sides] > 0.0]
 
 
 @dataclass(frozen=True, eq=False)
@@ -193,12 +211,19 @@ class ViewCells:
         self._sweeper = None
         if not self.cells:
             return
-        self._sides = division.sides
+        self._sides = division.read
         if not np.array_equal(self.cells.bands.light, scene.mean_light):
             self.cells.bands = Bands(scene.mean_light)
         left_out = None if scene.bent is None else scene.bent.left_out
         self._sweeper = Sweeper(
-            scene, self.cells, self._sides, seed, cancelled, left_out, division.looks
+            scene,
+            self.cells,
+            self._sides,
+            seed,
+            cancelled,
+            left_out,
+            division.looks,
+            division.margin(),
         )
 
     def __bool__(self) -> bool:
@@ -275,6 +300,11 @@ class ViewCells:
             dr.eval(self._on_device[group])
         self.cells.values = self._on_device[group]
 
+    def use_mean(self) -> None:
+        """Have the mean light of all groups read, which is what their pictures have together."""
+        self.cells.values = upload(mi.Float, np.mean(self._tables, axis=0))
+        dr.eval(self.cells.values)
+
     # ---- private ----
 
     def _restore(self, light: CellLight | None) -> None:
@@ -282,7 +312,9 @@ class ViewCells:
         cells = self.cells
         if light is None:
             cells.values = dr.zeros(mi.Float, max(2 * cells.count * cells.bands.count, 1))
-            cells.uneven = dr.zeros(mi.Bool, max(2 * cells.count, 1))
+            uneven = np.ones(max(2 * cells.count, 1), dtype=bool)
+            uneven[self._sides] = False
+            cells.uneven = upload(mi.Bool, uneven)
             dr.eval(cells.values, cells.uneven)
             return
         values = self._spread(light.sides, light.in_bands(cells.bands))
