@@ -375,7 +375,7 @@ class PixelSharing:
         each = np.maximum(tiles.average_around(sums / count), 0.0)
         # Chance makes it negative here and there, which must not be counted on the other side only.
         each *= np.maximum(sums.sum(axis=0), 0.0) / np.maximum((each * count).sum(axis=0), 1e-300)
-        made = tiles.lay_back(np.repeat(each[None, :, None], TILE * TILE, axis=2))[0]
+        made = tiles.lay_back(np.repeat(each[None, :, None], tiles.side**2, axis=2))[0]
         return made * scale[:, None] ** 2
 
 
