@@ -68,12 +68,11 @@ LEAST = 0.01
 LEAST_RATIO = 0.1
 """Variance of well-distributed points over that of independent ones, at least. [-]"""
 
-TRUST = (2.0, 1.0)
-"""How far pixels are drawn towards the fit, relative to the part of the residuals that is noise, by stage. [-]
+TRUST = 2.0
+"""How far pixels are drawn towards the fit, relative to what is best if the noise of a tile is known. [-]
 
-1 were best if the noise of a tile was known, and 2 is the most with which none is worse than by its own samples. Of few
-samples it is mostly found too small, and to leave a tenth of it costs more than to smooth some light away, which is told in
-any case. What the second stage smooths away would lie over larger parts of the picture."""
+2 is the most with which none is worse than by its own samples. Of few samples noise is mostly found too small, and to leave
+a tenth of it costs more than to smooth some light away, which is told in any case."""
 
 CHUNK = 1 << 17
 """Pixels that are fitted at once, about."""
@@ -245,7 +244,7 @@ class Tiling:
                 noise[kind] *= _find_ratio(own[kind], noise[kind])
                 taken[kind] = np.zeros(weight.shape, np.float32)
                 change[kind] = np.zeros_like(own[kind])
-            many, trust = max(CHUNK // tiles.side**2, 1), TRUST[SIDES.index(tiles.side)]
+            many = max(CHUNK // tiles.side**2, 1)
 
             def shrink(
                 begin,
@@ -256,7 +255,6 @@ class Tiling:
                 before=before,
                 change=change,
                 many=many,
-                trust=trust,
             ):
                 part = slice(begin, begin + many)
                 basis, surfaces = parts.basis(part), parts.surfaces(part)
@@ -267,7 +265,7 @@ class Tiling:
                     # for rounding, which may be either way.
                     spared = 1.0 - np.minimum(leverage / np.maximum(before[kind][part], 1e-6), 1.0)
                     changed, share = _shrink(
-                        basis, spared, surfaces, own[kind][:, part], noise[kind][:, part], trust
+                        basis, spared, surfaces, own[kind][:, part], noise[kind][:, part]
                     )
                     change[kind][:, part] = changed * counts[..., None]
                     taken[kind][0, part, :, 0] = share.mean(axis=0) * spared * counts
@@ -379,7 +377,7 @@ class PixelSharing:
         return made * scale[:, None] ** 2
 
 
-def _shrink(basis, spared, surfaces, own, noise, trust) -> tuple[np.ndarray, np.ndarray]:
+def _shrink(basis, spared, surfaces, own, noise) -> tuple[np.ndarray, np.ndarray]:
     """Draw the pixels of tiles towards what fits them, as far as what parts those of a surface from it is noise.
 
     Parameters
@@ -389,7 +387,6 @@ def _shrink(basis, spared, surfaces, own, noise, trust) -> tuple[np.ndarray, np.
     surfaces : (`SURFACES`, t, p) array    1 where a pixel shows most of a surface, as of `Parts.surfaces`.
     own : (2, t, p, c) array    Means of the halves, 0 where nothing is fitted.
     noise : (2, t, p) array    Variances of their luminance, alike.
-    trust : float    Of `TRUST`.
 
     Returns
     -------
@@ -401,8 +398,10 @@ def _shrink(basis, spared, surfaces, own, noise, trust) -> tuple[np.ndarray, np.
     share = np.zeros_like(squares)
     for mine in surfaces:
         found = np.einsum("htp,tp->ht", squares, mine)
-        part = np.einsum("htp,tp->ht", expected, mine) / np.maximum(found, 1e-30)
-        share += np.where(found > 0.0, np.minimum(trust * part, 1.0), 0.0)[..., None] * mine
+        # In the mean of both halves there is half of their noise, but all of what is no noise.
+        half = 0.5 * np.einsum("htp,tp->ht", expected, mine)
+        part = half / np.maximum(found - half, np.maximum(half, 1e-30))
+        share += np.where(found > 0.0, np.minimum(TRUST * part, 1.0), 0.0)[..., None] * mine
     # A plane may fall below 0 beside an edge, light may not.
     return np.maximum(share[..., None] * residual, -own), share
 
