@@ -295,8 +295,8 @@ class Sweeper:
         self.cells.values = upload(mi.Float, table)
         dr.eval(self.cells.values)
 
-    def _mark_uneven(self, made: np.ndarray, read: int) -> None:
-        """Mark sides that are too uneven to be read, all but the first ``read`` of those at work among them."""
+    def _mark_uneven(self, made: np.ndarray, read: int | None = None) -> None:
+        """Mark sides that are too uneven to be read. ``read``: how many of those at work may be; None: all."""
         light = self._light_of_halves(made.astype(np.float64))
         quarters = light.mean(axis=2)
         noise = np.sqrt(((light[..., 0] - light[..., 1]) ** 2).mean(axis=1) / 4.0)

@@ -160,3 +160,28 @@ def test_cells_of_one_scene_go_with_it_and_are_not_those_of_the_next(monkeypatch
     assert NOTE not in other.provenance.notes
     gc.collect()
     assert scene() is None
+
+
+def test_cells_that_nobody_looks_at_get_no_light_and_paths_go_on_there(divisions, monkeypatch):
+    """And the picture is that of full paths."""
+    made = []
+    prepare = kept_cells.ViewCells.prepare
+    monkeypatch.setattr(
+        kept_cells.ViewCells, "prepare", lambda self: (prepare(self), made.append(self))[0]
+    )
+    session = session_of(*ROOMS["matt"])
+    by_cells = rendered(session, 256)
+    (division,), (cells,) = divisions, made
+    looked_at = np.flatnonzero(division.looks)
+    assert np.isin(division.read, looked_at).all()
+    assert not np.isin(division.margin(), looked_at).any()
+    assert len(division.read) + len(division.margin()) <= len(division.sides)
+    uneven = np.array(cells.cells.uneven)
+    others = np.setdiff1d(np.arange(len(uneven)), division.read)
+    assert len(others)
+    assert uneven[others].all()
+    assert not uneven[division.read].all()
+    by_paths = session.render(
+        look_in(), ViewSettings(StopRule(samples=1024), 2, method="paths", shares=False)
+    )
+    assert_agree(by_cells, by_paths)
