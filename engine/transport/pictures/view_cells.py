@@ -51,6 +51,7 @@ class Division:
     scene : CompiledScene
     sight : Sight
     wanted : int    About how many cells.
+    reads_all : bool    Whether sides that no look has met are read too, as long jobs read even those often.
 
     Attributes
     ----------
@@ -58,24 +59,25 @@ class Division:
     sides : (n,) uint32 array    Sides of cells that may be seen.
     looks : (2 c,) array    How often every side is looked at.
     read : (m,) uint32 array
-        Sides that are looked at. Light of the others would be read too seldom to be worth its sweeps: paths go on there.
+        Sides that are read. Light of those that no look has met would be read too seldom to be worth its sweeps: paths go on
+        there.
     turn : int    How many have used the cells. They hold what the last one of these has put into them.
     """
 
-    def __init__(self, scene, sight: Sight, wanted: int):
+    def __init__(self, scene, sight: Sight, wanted: int, reads_all: bool = False):
         def refine(sizes: np.ndarray) -> float:
             finer = (sight.near_share(NEAR * sizes) / NEAR_SHARE) ** 2
             return float(np.clip(finer, 1.0, MOST_FINER))
 
         self._scene, self._wanted, self._stamps = scene, wanted, scene.stamps
-        self.turn = 0
+        self.turn, self._reads_all = 0, reads_all
         self.cells = CellSet(scene, wanted, sight.shares, refine)
         self._near_share = sight.near_share(NEAR * self.cells.sizes)
         self.sides = np.zeros(0, dtype=np.uint32)
         self.looks = np.zeros(0)
         if self.cells:
             self.sides, self.looks = sight.sides(self.cells)
-        self.read = self._looked_at()
+        self.read = self._choose_read()
 
     def serves(self, scene, sight: Sight, wanted: int) -> bool:
         """Whether another view, or another state of the scene, may have the same cells."""
@@ -102,7 +104,7 @@ class Division:
         if looks[~is_known].sum() <= unknown * looks.sum():
             return False
         self.sides = np.union1d(self.sides, sides).astype(np.uint32)
-        self.read = np.union1d(self.read, self._looked_at()).astype(np.uint32)
+        self.read = np.union1d(self.read, self._choose_read()).astype(np.uint32)
         return True
 
     def margin(self) -> np.ndarray:
@@ -116,8 +118,8 @@ class Division:
             beside[b[is_read[a]]] = True
         return self.sides[(beside & ~is_read)[self.sides]]
 
-    def _looked_at(self) -> np.ndarray:
-        return self.sides[self.looks[self.sides] > 0.0]
+    def _choose_read(self) -> np.ndarray:
+        return self.sides if self._reads_all else self.sides[self.looks[self.sides] > 0.0]
 
 
 @dataclass(frozen=True, eq=False)

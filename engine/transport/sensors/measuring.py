@@ -209,7 +209,8 @@ class _Measuring:
                 0, len(places), LOOKS
             )
             wanted = int(np.clip(CELLS * choice.paths / FEWEST_PATHS, CELLS, MOST_CELLS))
-            division = Division(scene, Sight(scene, places[rows], normals[rows], self.seed), wanted)
+            sight = Sight(scene, places[rows], normals[rows], self.seed)
+            division = Division(scene, sight, wanted, reads_all=True)
             cells = ViewCells(scene, division, self.seed, self.cancelled, groups=GROUPS)
             if not cells:
                 choice.uses_cells, choice.reason = False, "no surface is matt: full paths"
