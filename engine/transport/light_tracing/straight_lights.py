@@ -50,15 +50,6 @@ LARGEST_SURFACE = 0.05
 LEAST_SHARE = 1e-3
 """Share of a light's landed flux below which what surfaces that are not matt get of it does not matter. [-]"""
 
-KNOWN = 64
-"""Places where a light landed in the first round from which on that tells what there is of it, up to a factor `UNSURE`."""
-
-UNSURE = 10.0
-"""By how much the first round may find light less bundled than it is. [-]"""
-
-SHORTER = 4
-"""By how much later rounds are shorter if only light matters that is known from the first one."""
-
 MOST_LIGHTS = 64
 """Most lights that are traced; of more, those with the least bundled flux are left to next-event."""
 
@@ -123,9 +114,6 @@ class StraightLights:
     samples : float    Places at which the first passes ask for light.
     looks : (2 c,) array    How often each side is looked at, over its area and of sum 1 over all. [m-2]
     leaves_out : bool    Whether next-event leaves out what is traced; it is only looked for otherwise.
-    unmattering : float
-        Mean square of the illuminance over the square of its mean, the latter by all straight light, that lights may have
-        together which need not be looked for. [-]
 
     Attributes
     ----------
@@ -135,22 +123,13 @@ class StraightLights:
     """
 
     def __init__(
-        self,
-        scene,
-        sampler,
-        cells,
-        sides: np.ndarray,
-        samples: float,
-        looks,
-        leaves_out=False,
-        unmattering=0.0,
+        self, scene, sampler, cells, sides: np.ndarray, samples: float, looks, leaves_out=False
     ):
         self._scene, self._sampler, self._cells = scene, sampler, cells
         self._seen = np.zeros(2 * max(cells.count, 1), dtype=bool)
         self._seen[sides] = True
         # Flux counts by how often it is looked at, as if all were an area of 1. What is not matt has no sides.
         self._looks, self.seen = looks, 0.0
-        self._unmattering = unmattering
         self._typical = float((looks**2 * np.repeat(cells.area, 2))[sides].sum())
         self._limits: dict[int, float] = {}
         self.reason = ""
@@ -197,18 +176,12 @@ class StraightLights:
     def _learn(self, most: float) -> None:
         """Choose lights and their limits. ``most``: largest K that the first passes cope with."""
         self._start(self.lights, None)
-        landed, shorter = None, 1
+        landed = None
         for number, count in enumerate(PILOT):
-            landed = self._look(number, count // (shorter if number else 1))
+            landed = self._look(number, count)
             chosen = [self._limit_of(landed, n, most) for n in range(len(self.lights))]
             if number == 0:
                 whole = landed.flux.sum()
-                is_known = np.bincount(landed.light, minlength=len(self.lights)) >= KNOWN
-                idle = is_known & self._is_unmattering(landed)
-                chosen = [0.0 if idle[n] else limit for n, limit in enumerate(chosen)]
-                is_left = np.array([limit != 0.0 for limit in chosen])
-                if self._unmattering and is_known[is_left].all():
-                    shorter = SHORTER
                 landed, chosen = self._choose_candidates(landed, chosen)
                 left = whole - landed.flux.sum()
                 if not self.lights:
@@ -249,15 +222,6 @@ class StraightLights:
             f"{100.0 * share:.2g} % of the straight light ({len(chosen)} x {kinds}) falls on spots too small for samples of "
             "lumels to find, and is traced from the lights"
         )
-
-    def _is_unmattering(self, landed: _Landed) -> np.ndarray:
-        """Which lights, of those with the least mean square of the illuminance, may be left out together. (n,) bool"""
-        squares = np.bincount(landed.light, landed.flux * landed.lux, len(self.lights))
-        order = np.argsort(squares, kind="stable")
-        together = np.cumsum(squares[order]) * UNSURE
-        made = np.zeros(len(squares), dtype=bool)
-        made[order] = together <= self._unmattering * landed.flux.sum() ** 2
-        return made
 
     def _choose_candidates(self, landed: _Landed, chosen: list):
         """Leave out lights that are not bundled; returns what the others gave, and their limits."""

@@ -26,7 +26,7 @@ from ..paths.visible_surfaces import Sight
 NEAR_SHARE, MOST_FINER = 0.1, 2.0
 """Share of rays that may land too near for cells to be read before there are more of them, and how many times more."""
 
-SWEPT, MOST_SWEPT = 1 << 17, 64
+SWEPT, MOST_SWEPT = 1 << 18, 64
 """Paths of a sweep for all groups together, about, and most samples of a cell and turn in it."""
 
 APART = 2

@@ -8,7 +8,7 @@ from small_scenes import quad
 pytestmark = pytest.mark.mitsuba
 
 Z = 4.5
-CELLS_SHARE = 0.0125
+CELLS_SHARE = 0.015
 """What cells may change of a square of 8 x 8 pixels beside the noise of single pixels, relative to it: their size in corners
 and edges, and noise of theirs that the pixels have in common. [-]"""
 
