@@ -251,12 +251,13 @@ def _bias(scenes: list[dict]) -> list[str]:
     known = [scene for scene in scenes if scene["bias"] is not None]
     if not known:
         return []
-    return [
+    parts = [
         BIAS.format(seeds=SEEDS, block=BLOCK),
         _blocks((scene, scene["bias"]) for scene in known),
-        SHARING.format(seeds=SEEDS),
-        _blocks((scene, scene["bias"]["sharing"]) for scene in known),
     ]
+    # Results of earlier versions, which a run may go on with, do not tell it.
+    moved = [(scene, scene["bias"]["sharing"]) for scene in known if "sharing" in scene["bias"]]
+    return [*parts, SHARING.format(seeds=SEEDS), _blocks(moved)] if moved else parts
 
 
 def _blocks(found) -> str:

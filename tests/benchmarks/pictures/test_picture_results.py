@@ -136,6 +136,18 @@ def test_the_document_and_its_pictures_are_written(tmp_path):
     assert read["speedup"] == json.loads(json.dumps(result["speedup"]))
 
 
+def test_results_that_do_not_tell_what_sharing_moves_are_gone_on_with(tmp_path):
+    from lumenray.benchmarks.pictures.document import write_document
+
+    result = made_up_result()
+    for scene in result["scenes"]:
+        del scene["bias"]["sharing"]
+    write_document(result, tmp_path / "pictures.md")
+    text = (tmp_path / "pictures.md").read_text(encoding="utf-8")
+    assert "## Bias" in text
+    assert "What sharing light" not in text
+
+
 def test_a_run_keeps_each_scene_and_goes_on_with_an_earlier_one(monkeypatch):
     from lumenray.benchmarks.pictures import run as pictures
 
