@@ -175,14 +175,27 @@ class Parts:
         numbers = np.arange(SURFACES)[:, None, None]
         return ((self.largest[part] == numbers) & self.is_fitted[part]).astype(np.float32)
 
-    def basis(self, part: slice) -> np.ndarray:
-        """Orthonormal functions over the pixels of some tiles that span the planes of their surfaces. (t, p, k)"""
+    def fit(self, part: slice, counts: np.ndarray) -> "Fit":
+        """How the light of pixels of some tiles is fitted. ``counts``: what each counts, (t, p); 0 where none is fitted."""
+        amount = np.where(self.is_fitted[part], self.amounts[part].sum(axis=2), 0.0)
+        shows = (amount > 0.0) & (counts > 0.0)
+        inverse = 1.0 / np.where(shows, amount, 1.0)
+        root = np.sqrt(np.where(shows, counts * inverse, 0.0)).astype(np.float32)
+        basis = self._basis(part, root)
+        # Noise is taken to be proportional to what pixels show.
+        spread = (root * amount)[..., None] * basis
+        each = 1.0 / np.where(shows, root * amount, 1.0)
+        kept = ((basis @ (spread.swapaxes(1, 2) @ spread)) * basis).sum(axis=2) * each**2
+        return Fit(basis, root, np.einsum("tpk,tpk->tp", basis, basis), kept)
+
+    def _basis(self, part: slice, root: np.ndarray) -> np.ndarray:
+        """Orthonormal functions over the pixels of tiles that span the planes of surfaces times a root. (t, p, k)"""
         count = math.isqrt(self.amounts.shape[1])
         side = ((np.arange(count) - 0.5 * (count - 1)) / count).astype(np.float32)
         y, x = np.meshgrid(side, side, indexing="ij")
         made: list[np.ndarray] = []
         for surface in range(SURFACES):
-            amounts = self.amounts[part, :, surface] * self.is_fitted[part]
+            amounts = self.amounts[part, :, surface] * root
             if not amounts.any():
                 break
             for plane in (1.0, x.ravel(), y.ravel()):
@@ -202,6 +215,33 @@ def _orthonormal(feature: np.ndarray, before: list[np.ndarray]) -> np.ndarray:
     return feature * np.where(is_new, 1.0 / np.sqrt(np.where(is_new, left, 1.0)), 0.0)[
         :, None
     ].astype(np.float32)
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """Planes over the pixels of tiles by least squares, which count each by a weight.
+
+    The weight of a pixel is what it gets of these tiles over what it shows. So what is added to the pixels of a tile sums up
+    to 0 as it is blended with that of other tiles: light is moved within a tile, and none is lost.
+
+    Parameters
+    ----------
+    basis : (t, p, k) array    Orthonormal functions: planes of surfaces times the root of the weight.
+    root : (t, p) array    Of the weight; 0 where nothing is fitted.
+    leverage : (t, p) array    What a pixel's own value counts in its fit. [-]
+    kept : (t, p) array    Variance of the fit over that of a pixel. [-]
+    """
+
+    basis: np.ndarray
+    root: np.ndarray
+    leverage: np.ndarray
+    kept: np.ndarray
+
+    def residual(self, own: np.ndarray) -> np.ndarray:
+        """What parts the fits from the means that they are made of. (2, t, p, c)"""
+        root = self.root[..., None]
+        made = self.basis @ (self.basis.swapaxes(1, 2) @ (root * own))
+        return made / np.where(root > 0.0, root, 1.0) - own
 
 
 @dataclass(frozen=True, eq=False)
@@ -257,18 +297,19 @@ class Tiling:
                 many=many,
             ):
                 part = slice(begin, begin + many)
-                basis, surfaces = parts.basis(part), parts.surfaces(part)
-                leverage = np.einsum("tpk,tpk->tp", basis, basis)
                 counts = parts.is_fitted[part] * weight[0, part, :, 0]
+                fit, surfaces = parts.fit(part, counts), parts.surfaces(part) * counts
                 for kind in own:
                     # What is left of noise has pixels in common. And of a surface that one pixel shows the fit is exact but
                     # for rounding, which may be either way.
-                    spared = 1.0 - np.minimum(leverage / np.maximum(before[kind][part], 1e-6), 1.0)
+                    there = np.maximum(before[kind][part], 1e-6)
+                    spared = np.maximum(1.0 - (2.0 * fit.leverage - fit.kept) / there, 0.0)
                     changed, share = _shrink(
-                        basis, spared, surfaces, own[kind][:, part], noise[kind][:, part]
+                        fit, spared, surfaces, own[kind][:, part], noise[kind][:, part]
                     )
                     change[kind][:, part] = changed * counts[..., None]
-                    taken[kind][0, part, :, 0] = share.mean(axis=0) * spared * counts
+                    gain = 1.0 - np.minimum(fit.kept / there, 1.0)
+                    taken[kind][0, part, :, 0] = share.mean(axis=0) * gain * counts
 
             with ThreadPoolExecutor(os.cpu_count()) as pool:
                 list(pool.map(shrink, range(0, len(fitted), many)))
@@ -377,14 +418,14 @@ class PixelSharing:
         return made * scale[:, None] ** 2
 
 
-def _shrink(basis, spared, surfaces, own, noise) -> tuple[np.ndarray, np.ndarray]:
+def _shrink(fit, spared, surfaces, own, noise) -> tuple[np.ndarray, np.ndarray]:
     """Draw the pixels of tiles towards what fits them, as far as what parts those of a surface from it is noise.
 
     Parameters
     ----------
-    basis : (t, p, k) array    As of `Parts.basis`.
-    spared : (t, p) array    What of a pixel's noise the fit does not take up: one less its leverage. [-]
-    surfaces : (`SURFACES`, t, p) array    1 where a pixel shows most of a surface, as of `Parts.surfaces`.
+    fit : Fit
+    spared : (t, p) array    What of a pixel's noise parts it from its fit. [-]
+    surfaces : (`SURFACES`, t, p) array    What a pixel counts of the surface that it shows most of, else 0.
     own : (2, t, p, c) array    Means of the halves, 0 where nothing is fitted.
     noise : (2, t, p) array    Variances of their luminance, alike.
 
@@ -392,7 +433,7 @@ def _shrink(basis, spared, surfaces, own, noise) -> tuple[np.ndarray, np.ndarray
     -------
     (2, t, p, c) array, (2, t, p) array    What is added to the means where they are fitted, and how far they are drawn. [-]
     """
-    residual = basis @ (basis.swapaxes(1, 2) @ own) - own
+    residual = fit.residual(own)
     squares = residual[..., _luminance_of(own)] ** 2
     expected = noise * spared
     share = np.zeros_like(squares)
@@ -401,7 +442,7 @@ def _shrink(basis, spared, surfaces, own, noise) -> tuple[np.ndarray, np.ndarray
         # In the mean of both halves there is half of their noise, but all of what is no noise.
         half = 0.5 * np.einsum("htp,tp->ht", expected, mine)
         part = half / np.maximum(found - half, np.maximum(half, 1e-30))
-        share += np.where(found > 0.0, np.minimum(TRUST * part, 1.0), 0.0)[..., None] * mine
+        share += np.where(found > 0.0, np.minimum(TRUST * part, 1.0), 0.0)[..., None] * (mine > 0.0)
     # A plane may fall below 0 beside an edge, light may not.
     return np.maximum(share[..., None] * residual, -own), share
 
@@ -473,14 +514,17 @@ def _is_inner(pixel, surface, camera) -> np.ndarray:
 
 
 def weigh_tilings(width: int, height: int, side: int = TILE) -> np.ndarray:
-    """Weights of pixels in the tilings by `SHIFTS`: they fall to 0 at the edges of tiles, so that none is seen. (2, n)"""
+    """Weights of pixels in the tilings by `SHIFTS`. (2, n)
+
+    They fall to 0 at the edges of tiles, so that none is seen, but steeply: the fewer pixels count, the noisier are fits.
+    """
     weights = []
     for shift in SHIFTS:
         x, y = (
             1.0 - np.abs((np.arange(size) + shift * side) % side + 0.5 - 0.5 * side) / (0.5 * side)
             for size in (width, height)
         )
-        weights.append((y[:, None] * x).ravel())
+        weights.append(np.sqrt(y[:, None] * x).ravel())
     weights = np.stack(weights)
     return (weights / weights.sum(axis=0)).astype(np.float32)
 

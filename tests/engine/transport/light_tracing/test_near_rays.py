@@ -106,9 +106,7 @@ def camera(height=0.5, pixels=32):
 
 def seen(items, samples=64, **more):
     """Luminance of the floor by squares, over its reflectance over pi. [lx]"""
-    picture = session_of(*items).render(
-        camera(**more), ViewSettings(StopRule(samples=samples), shares=False)
-    )
+    picture = session_of(*items).render(camera(**more), ViewSettings(StopRule(samples=samples)))
     luminance = picture.tristimulus[..., 1]
     step = luminance.shape[0] // CELLS
     return luminance.reshape(CELLS, step, CELLS, step).mean(axis=(1, 3)) * np.pi / 0.5

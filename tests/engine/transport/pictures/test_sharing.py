@@ -130,6 +130,34 @@ def test_an_edge_stays_as_soon_as_it_stands_out_of_the_noise():
     assert np.abs(shared - true[0].ravel()).max() < 6.0 * 0.02
 
 
+def quarters_of(values):
+    """Sums over the quarters of a picture. (2, 2)"""
+    rows = np.add.reduceat(values, [0, HEIGHT // 2], axis=0)
+    return np.add.reduceat(rows, [0, WIDTH // 2], axis=1)
+
+
+def test_no_light_is_lost_over_slopes_that_are_steep_and_noisy():
+    """Where light falls by 1/r^4, convex within tiles, and few bright samples make most of it."""
+    y, x = np.mgrid[:HEIGHT, :WIDTH] / HEIGHT
+    true = 1.0 / (0.05 + (x - 0.2) ** 2 + (y - 0.2) ** 2) ** 2
+    reflectance, surface = 0.5 + 0.4 * np.sin(40.0 * x), np.zeros(true.shape, int)
+    moved = []
+    for seed in range(8):
+        draw = np.random.default_rng(seed)
+        met = draw.poisson(4.0, (2, true.size)) / 4.0
+        halves = (met * (true * reflectance).ravel())[..., None] * np.ones(3)
+        variances = halves[..., 1] ** 2 / 4.0
+        made = sharing_of(reflectance, surface).share(
+            {GATHERED: halves.astype(np.float32)}, {GATHERED: variances}
+        )
+        change = made.change[..., 1].mean(axis=0).reshape(true.shape)
+        assert np.abs(change).mean() > 0.02 * true.mean()
+        light = halves[..., 1].mean(axis=0).reshape(true.shape)
+        moved.append(quarters_of(change) / quarters_of(light))
+        assert abs(change.sum()) < 1e-3 * light.sum()
+    assert np.abs(np.mean(moved, axis=0)).max() < 0.002
+
+
 def test_means_of_blocks_are_kept_and_no_edge_of_a_tile_shows():
     for name in ("slope", "edge of a shadow", "ripples"):
         true, _, own, shared = *lights()[name][:1], *share(*lights()[name], 0.1, 5)[1:]
