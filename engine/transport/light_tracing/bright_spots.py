@@ -127,16 +127,19 @@ def find_spots(scene, places: np.ndarray, normals: np.ndarray) -> np.ndarray:
     rows = np.random.default_rng(SEED).integers(0, len(places), LOOKS)
     met = triangles.sides(*Sight(scene, places[rows], normals[rows], SEED).met())
     looks = triangles.spread(met[met >= 0])
-    lights = StraightLights(scene, sampler, triangles, np.flatnonzero(looks), PLACES, looks)
+    # Of all the light that paths see, a light may have little, and scatter little however bundled it is.
+    least = PLACES / FOUND
+    lights = StraightLights(
+        scene, sampler, triangles, np.flatnonzero(looks), PLACES, looks, unmattering=least
+    )
     if not lights.is_needed:
         return np.zeros((0, COLUMNS))
     light, position, weight = lights.find_places(PATHS, SEED)
-    # Of all the light that paths see, a light may have little, and scatter little however bundled it is.
     worth = np.bincount(light, weight, len(lights.lights)) / lights.seen**2
     order = np.argsort(-worth, kind="stable")
     left = worth.sum() - np.cumsum(worth[order]) + worth[order]
     made = []
-    for number in order[left > PLACES / FOUND][:MOST_SPOTS]:
+    for number in order[left > least][:MOST_SPOTS]:
         own = light == number
         if own.sum() >= FEWEST_PLACES and worth[number] > 0.0:
             core = _find_core(position[own], weight[own])

@@ -50,6 +50,16 @@ LARGEST_SURFACE = 0.05
 LEAST_SHARE = 1e-3
 """Share of a light's landed flux below which what surfaces that are not matt get of it does not matter. [-]"""
 
+KNOWN = 64
+"""Places where a light landed in the first round from which on that tells what there is of it, up to a factor `UNSURE`."""
+
+UNSURE = 10.0
+"""By how much the first round may find light less bundled than it is. [-]"""
+
+SHORTER, SHORTEST = 4, 1 << 8
+"""By how much later rounds are shorter if only light matters that is known from the first one, and if none does: they are
+made for their kernels alone, so that an edit does not have to."""
+
 MOST_LIGHTS = 64
 """Most lights that are traced; of more, those with the least bundled flux are left to next-event."""
 
@@ -114,6 +124,9 @@ class StraightLights:
     samples : float    Places at which the first passes ask for light.
     looks : (2 c,) array    How often each side is looked at, over its area and of sum 1 over all. [m-2]
     leaves_out : bool    Whether next-event leaves out what is traced; it is only looked for otherwise.
+    unmattering : float
+        Mean square of the illuminance over the square of its mean, the latter by all straight light, that lights may have
+        together which need not be looked for. [-]
 
     Attributes
     ----------
@@ -123,13 +136,22 @@ class StraightLights:
     """
 
     def __init__(
-        self, scene, sampler, cells, sides: np.ndarray, samples: float, looks, leaves_out=False
+        self,
+        scene,
+        sampler,
+        cells,
+        sides: np.ndarray,
+        samples: float,
+        looks,
+        leaves_out=False,
+        unmattering=0.0,
     ):
         self._scene, self._sampler, self._cells = scene, sampler, cells
         self._seen = np.zeros(2 * max(cells.count, 1), dtype=bool)
         self._seen[sides] = True
         # Flux counts by how often it is looked at, as if all were an area of 1. What is not matt has no sides.
         self._looks, self.seen = looks, 0.0
+        self._unmattering = unmattering
         self._typical = float((looks**2 * np.repeat(cells.area, 2))[sides].sum())
         self._limits: dict[int, float] = {}
         self.reason = ""
@@ -176,12 +198,14 @@ class StraightLights:
     def _learn(self, most: float) -> None:
         """Choose lights and their limits. ``most``: largest K that the first passes cope with."""
         self._start(self.lights, None)
-        landed = None
+        landed, shorter = None, 1
         for number, count in enumerate(PILOT):
-            landed = self._look(number, count)
+            landed = self._look(number, count // (shorter if number else 1))
             chosen = [self._limit_of(landed, n, most) for n in range(len(self.lights))]
             if number == 0:
                 whole = landed.flux.sum()
+                if self._unmattering:
+                    chosen, shorter = self._choose_mattering(landed, chosen)
                 landed, chosen = self._choose_candidates(landed, chosen)
                 left = whole - landed.flux.sum()
                 if not self.lights:
@@ -222,6 +246,27 @@ class StraightLights:
             f"{100.0 * share:.2g} % of the straight light ({len(chosen)} x {kinds}) falls on spots too small for samples of "
             "lumels to find, and is traced from the lights"
         )
+
+    def _choose_mattering(self, landed: _Landed, chosen: list) -> tuple[list, int]:
+        """Leave out lights that have too little mean square of the illuminance together to matter, as the first round tells.
+
+        Returns
+        -------
+        (list, int)    Limits, 0 of what is left out, and by how much later rounds may be shorter.
+        """
+        squares = np.bincount(landed.light, landed.flux * landed.lux, len(self.lights))
+        is_known = np.bincount(landed.light, minlength=len(self.lights)) >= KNOWN
+        order = np.argsort(squares, kind="stable")
+        together = np.cumsum(squares[order]) * UNSURE
+        is_idle = np.zeros(len(squares), dtype=bool)
+        is_idle[order] = together <= self._unmattering * landed.flux.sum() ** 2
+        is_bundled = np.array([limit != 0.0 for limit in chosen])
+        is_left = is_bundled & ~(is_idle & is_known)
+        shorter = SHORTER if is_known[is_left].all() else 1
+        if is_bundled.any() and not is_left.any():
+            is_left[np.argmax(np.where(is_bundled, squares, -1.0))] = True
+            shorter = SHORTEST
+        return [limit if is_left[n] else 0.0 for n, limit in enumerate(chosen)], shorter
 
     def _choose_candidates(self, landed: _Landed, chosen: list):
         """Leave out lights that are not bundled; returns what the others gave, and their limits."""

@@ -362,6 +362,7 @@ class _Passes:
         A pixel that a bright sample has met by chance is bright itself, and its error relative to it is small. So the error
         of few samples is too small, and falls more slowly than it will: least. Relative to what the other half shows the
         scatter of a half is not, but where such samples are rare this goes on to the end, and the error stays small: most.
+        Least is halfway between both.
 
         ``halves``: luminance, (2, n). [cd/m2] ``squares``: as of `_squares`.
         """
@@ -383,7 +384,7 @@ class _Passes:
         # By all passes: where few pixels make most of the error, the difference of the halves is much by chance.
         part = float((parts * (end / samples) ** power).mean())
         found = sorted(self._end_of(squares, errors, part, power) for errors in (own, other))
-        return found[0], found[1]
+        return float(np.sqrt(found[0] * found[1])), found[1]
 
     def _end_of(self, squares, errors, part: float, power: float) -> float:
         """Samples at which so large a part of the errors, which changes by a power of them, is the wanted one."""
