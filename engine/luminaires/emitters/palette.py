@@ -16,7 +16,6 @@ import mitsuba as mi
 import numpy as np
 
 from ...arrays import upload
-from ...photometry.units import MAXIMUM_WAVELENGTH, MINIMUM_WAVELENGTH
 from ...scene.distribution import SHAPES, IntensityDistribution, Opening
 from ...scene.ray_emission import RayEmission
 from .opening_sampling import (
@@ -28,6 +27,7 @@ from .opening_sampling import (
     meet,
     projected_area,
 )
+from .row_spectra import RowSpectra
 from .tables import DistributionTables
 from .tints import Tints
 
@@ -55,6 +55,9 @@ NEAR = 4.0
 
 VECTORS = 8
 """Vectors of a row: three of the grid's axes, three of the opening's, half sizes and centre."""
+
+NUMBERS = 3
+"""Of a row: the kind of its opening, its distribution, and its colours, see `Tints`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,18 +130,12 @@ class LuminairePalette:
             line[0:3], line[3:6] = row.grid.T, row.axes.T
             line[6], line[7] = row.half, row.centre
         self._vectors = upload(mi.Float, vectors)
-        spectra: dict[bytes, int] = {}
-        numbers = np.zeros((max(len(rows), 1), 4), dtype=np.int64)
-        tables, tints = [], self.tints.commit(rows)
+        numbers = np.zeros((max(len(rows), 1), NUMBERS), dtype=np.int64)
+        tints = self.tints.commit(rows)
         for line, row, distribution, tint in zip(numbers, rows, distributions, tints, strict=False):
-            key = row.density.tobytes()
-            if key not in spectra:
-                spectra[key] = len(spectra)
-                tables.append(row.density)
-            line[:] = row.kind, distribution, spectra[key], tint
+            line[:] = row.kind, distribution, tint
         self._numbers = upload(mi.UInt32, numbers)
-        self._amounts = upload(mi.Float, [row.amount for row in rows] or [0.0])
-        self._spectra = upload(mi.Float, np.concatenate(tables) if tables else np.zeros(4))
+        self._spectra = RowSpectra([row.amount for row in rows], [row.density for row in rows])
         self.kinds = {row.kind for row in rows}
         reach = np.array(
             [
@@ -172,7 +169,7 @@ class LuminairePalette:
         return dr.gather(mi.Vector3f, self._vectors, row * VECTORS + place, active)
 
     def _number(self, row, place: int, active):
-        return dr.gather(mi.UInt32, self._numbers, row * 4 + place, active)
+        return dr.gather(mi.UInt32, self._numbers, row * NUMBERS + place, active)
 
     def _to_local(self, row, first: int, v, active):
         """Coordinates of a vector in the axes of the grid (0) or the opening (3)."""
@@ -189,22 +186,10 @@ class LuminairePalette:
         """
         if direction is not None and len(self.tints):
             local = self._to_local(row, 0, direction, active)
-            number = self._number(row, 3, active)
+            number = self._number(row, 2, active)
             tint = self.tints.eval(number, local, wavelengths, active)
             return self.spectrum(row, wavelengths, active) * tint
-        amount = dr.gather(mi.Float, self._amounts, row, active)
-        if "spectral" not in mi.variant():
-            return mi.Spectrum(amount)
-        count = MAXIMUM_WAVELENGTH - MINIMUM_WAVELENGTH + 1
-        base = self._number(row, 2, active) * mi.UInt32(count)
-        place = dr.clip(wavelengths - float(MINIMUM_WAVELENGTH), 0.0, count - 1.001)
-        values = []
-        for position in place:
-            low = mi.UInt32(position)
-            first = dr.gather(mi.Float, self._spectra, base + low, active)
-            second = dr.gather(mi.Float, self._spectra, base + low + 1, active)
-            values.append(dr.lerp(first, second, position - mi.Float(low)))
-        return mi.Spectrum(*values) * amount
+        return self._spectra.eval(row, wavelengths, active)
 
     def density(self, row, direction, active=True):
         """Intensity over flux in a direction of the scene's frame, the way light travels. [1/sr]"""

@@ -8,7 +8,9 @@ import mitsuba as mi
 
 from .limb import Limb, darken
 from .luminaire_plugin import luminaires_class
-from .rectangles import draw_place, find_density, find_solid_angle, into_axes
+from .rectangle_plugin import rectangles_class
+from .rectangles import find_rectangle_density, sample_rectangle
+from .spread import narrow
 from .tubes import find_tube_density, sample_tube
 
 CHORD_ERROR = 3e-7
@@ -27,6 +29,7 @@ def register() -> None:
         ("lumenray_spot", _spot_class),
         ("lumenray_surroundings", _surroundings_class),
         ("lumenray_luminaires", luminaires_class),
+        ("lumenray_rectangles", rectangles_class),
     ):
         made = make()
         mi.register_emitter(name, lambda props, made=made: made(props))
@@ -55,9 +58,7 @@ def _surface_class():
             lit = cosine != 0.0 if self.two_sided else cosine > 0.0
             if not self.is_narrow:
                 return dr.select(lit, mi.Float(1.0), 0.0)
-            c = dr.abs(cosine)
-            tangent = dr.safe_sqrt(1.0 - c * c) / dr.maximum(c, 1e-6)
-            return dr.select(lit, dr.maximum(1.0 - tangent / self.tan_spread, 0.0), 0.0)
+            return dr.select(lit, narrow(cosine, self.tan_spread), 0.0)
 
         def _radiance(self, si, active):
             value = self.radiance.eval(si, active)
@@ -90,27 +91,6 @@ def _surface_class():
             )
             dr.make_opaque(self.tube)
 
-        def _look(self, it):
-            """Directions of the rectangle's sides, half their lengths, the receiver in these axes, and the solid angle."""
-            centre, x, y = self.rectangle
-            half_x, half_y = dr.norm(x), dr.norm(y)
-            x, y = x / half_x, y / half_y
-            q = into_axes(it.p, centre, x, y)
-            return x, y, half_x, half_y, q, find_solid_angle(q, half_x, half_y)
-
-        def _draw(self, it, sample):
-            """As `sample_direction`, of a rectangle."""
-            x, y, half_x, half_y, q, angle = self._look(it)
-            place = draw_place(q, half_x, half_y, sample, angle)
-            ds = dr.zeros(mi.DirectionSample3f)
-            ds.p = self.rectangle[0] + x * (half_x * place.x) + y * (half_y * place.y)
-            ds.n = dr.cross(x, y)
-            ds.d = ds.p - it.p
-            ds.dist = dr.norm(ds.d)
-            ds.d /= dr.maximum(ds.dist, 1e-20)
-            ds.pdf = find_density(half_x, half_y, ds.dist, dr.dot(ds.d, ds.n), angle)
-            return ds
-
         def _density(self, it, density):
             """Solid-angle density of sampling a shape, given Mitsuba's: even over the cap that a sphere fills."""
             if self.ball is None:
@@ -124,7 +104,7 @@ def _surface_class():
             if self.tube is not None:
                 ds = sample_tube(self.tube, it.p, sample)
             elif self.rectangle is not None:
-                ds = self._draw(it, sample)
+                ds = sample_rectangle(self.rectangle, it.p, sample)
             else:
                 ds = self.get_shape().sample_direction(it, sample, active)
                 ds.pdf = self._density(it, ds.pdf)
@@ -140,8 +120,7 @@ def _surface_class():
             if self.tube is not None:
                 density = find_tube_density(self.tube, it.p, ds)
             elif self.rectangle is not None:
-                _, _, half_x, half_y, _, angle = self._look(it)
-                density = find_density(half_x, half_y, ds.dist, cosine, angle)
+                density = find_rectangle_density(self.rectangle, it.p, ds.dist, cosine)
             else:
                 density = self._density(it, self.get_shape().pdf_direction(it, ds, active))
             return dr.select(lit & active, density, 0.0)

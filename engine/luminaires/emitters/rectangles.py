@@ -90,6 +90,49 @@ def find_density(half_x, half_y, distance, cosine, angle):
     return dr.select(angle > 0.0, dr.rcp(dr.maximum(angle, SMALL)), by_area)
 
 
+def sample_rectangle(rectangle, point, sample):
+    """Draw a direction from a receiver to a rectangle.
+
+    Parameters
+    ----------
+    rectangle : (Vector3f, Vector3f, Vector3f)    Centre, and halves of both sides, whose product is the normal. [m]
+    point : Point3f    The receiver. [m]
+    sample : Point2f
+
+    Returns
+    -------
+    DirectionSample3f    With place, normal, direction, distance and density; without the emitter.
+    """
+    x, y, half_x, half_y, q, angle = _look(rectangle, point)
+    place = draw_place(q, half_x, half_y, sample, angle)
+    ds = dr.zeros(mi.DirectionSample3f)
+    ds.p = rectangle[0] + x * (half_x * place.x) + y * (half_y * place.y)
+    ds.n = dr.cross(x, y)
+    ds.d = ds.p - point
+    ds.dist = dr.norm(ds.d)
+    ds.d /= dr.maximum(ds.dist, TINY)
+    ds.pdf = find_density(half_x, half_y, ds.dist, dr.dot(ds.d, ds.n), angle)
+    return ds
+
+
+def find_rectangle_density(rectangle, point, distance, cosine):
+    """Density over solid angle with which `sample_rectangle` draws a direction. [1/sr]
+
+    ``distance``, ``cosine``: as of `find_density`.
+    """
+    _, _, half_x, half_y, _, angle = _look(rectangle, point)
+    return find_density(half_x, half_y, distance, cosine, angle)
+
+
+def _look(rectangle, point):
+    """Directions of the rectangle's sides, half their lengths, the receiver in these axes, and the solid angle."""
+    centre, x, y = rectangle
+    half_x, half_y = dr.norm(x), dr.norm(y)
+    x, y = x / half_x, y / half_y
+    q = into_axes(point, centre, x, y)
+    return x, y, half_x, half_y, q, find_solid_angle(q, half_x, half_y)
+
+
 def _edges(q, half_x, half_y):
     """Ends of the rectangle as the receiver sees them, along x and y, and the distance of its plane. [m]"""
     height = dr.maximum(dr.abs(q.z), 1e-6 * dr.maximum(half_x, half_y))

@@ -13,6 +13,7 @@ from ...arrays import pointer_id, table_size, upload
 from ...luminaires.emitters import plugins as emitter_plugins
 from ...luminaires.emitters.luminaire_plugin import make_emitter
 from ...luminaires.emitters.palette import LuminairePalette
+from ...luminaires.emitters.rectangle_plugin import make_rectangles
 from ...materials import plugins as surface_plugins
 from ...photometry.spectra import GRID
 from ...requirements.facts import worlds
@@ -28,7 +29,7 @@ from ..devices import of_variant
 from ..layers import make_layers
 from .bounds import find_bounds, frame_of
 from .changes import Changes, Outgrown, Stamps
-from .compiled_light import CompiledLight, Shared, change_light, compile_light
+from .compiled_light import CompiledLight, Shared, change_light, compile_light, is_rectangle
 from .enclosures import find_enclosed
 from .grain_ways import find_coordinates, find_ways
 from .known_mirrors import KnownMirrors, is_hard_to_meet
@@ -107,8 +108,8 @@ class CompiledScene:
         self._suns: list[SunLight] = []
         # Ids of what shines, None: all; what is kept of the light of a scene holds for these alone, see `shine`.
         self.shining: frozenset[str] | None = None
-        # Mitsuba visits every emitter that lives, so there is none without luminaires.
-        self._luminaires = None
+        # Mitsuba visits every emitter that lives, so there is none without luminaires, or rectangles.
+        self._luminaires = self._rectangles = None
         self._material_palette = MaterialPalette(self.mean_light)
         self._objects = ObjectSet(
             self.origin,
@@ -291,7 +292,9 @@ class CompiledScene:
             changes.lights += 1
             if isinstance(light, Luminaire) and self._luminaires is None:
                 self._luminaires = make_emitter(LuminairePalette())
-            shared = Shared(self.origin, self._nothing, self._luminaires)
+            if light is not None and is_rectangle(light) and self._rectangles is None:
+                self._rectangles = make_rectangles()
+            shared = Shared(self.origin, self._nothing, self._luminaires, self._rectangles)
             if light is not None and old is not None:
                 is_moved = change_light(old, light, shared)
                 if is_moved is not None:
@@ -335,6 +338,8 @@ class CompiledScene:
         sources = self._sources()
         if all(source.luminaire is None for source in sources):
             self._luminaires = None
+        if all(source.rectangle is None for source in sources):
+            self._rectangles = None
         suns = [
             light
             for light in scene.lights.values()
@@ -369,6 +374,9 @@ class CompiledScene:
         rows = [source.luminaire for source in sources if source.luminaire is not None]
         if rows:
             self._luminaires.palette.commit(rows)
+        rectangles = [source.rectangle for source in sources if source.rectangle is not None]
+        if rectangles:
+            self._rectangles.table.commit(rectangles)
         suns = [sun for sun in self._suns if self._shines(sun.id)]
         outside = self._outside.commit(suns, self.radius, self._shines(WORLD))
         if outside is not None:
@@ -396,7 +404,7 @@ class CompiledScene:
             "extent",
             "bsdf",
             "emitter",
-            "luminaire",
+            "lamp",
         )
         columns = {name: np.zeros(size) for name in names}
         self.has_hidden_objects = False
@@ -443,13 +451,13 @@ class CompiledScene:
             if not self._shines(light.item.id):
                 continue
             columns["emitter"][light.body_id] = light.source.number
-            if light.source.luminaire is not None:
-                columns["luminaire"][light.body_id] = self.lights.row_of(light.source)
-        luminaires = columns["luminaire"] if self.lights.palette is not None else None
+            columns["lamp"][light.body_id] = self.lights.row_of(light.source)
+        has_rows = self.lights.palette is not None or self.lights.has_rectangles
+        lamps = columns["lamp"] if has_rows else None
         surfaces = [item.surface for item in self._objects.materials()]
         self._pool.has_grain = any(surface.has_grain for surface in surfaces)
         self._pool.has_relief = any(surface.has_relief for surface in surfaces)
-        self._pool.commit(size, columns["bsdf"], columns["emitter"], luminaires)
+        self._pool.commit(size, columns["bsdf"], columns["emitter"], lamps)
         is_round = any(grain.axis is not None for surface in surfaces for grain in surface.grains)
         ways = find_ways(size, parts, self.origin) if is_round else None
         self.has_sparkle = any(surface.has_sparkle for surface in surfaces)

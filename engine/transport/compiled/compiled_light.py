@@ -9,6 +9,7 @@ import numpy as np
 from ...arrays import pointer_id
 from ...errors import SceneError
 from ...luminaires.emitters.palette import KINDS, Row, opening_frame
+from ...luminaires.emitters.rectangle_plugin import RectangleRow
 from ...luminaires.emitters.tables import distribution_digest
 from ...luminaires.openings import check_opening
 from ...photometry import units
@@ -25,7 +26,6 @@ from . import emission
 from .light_bodies import Flat, Sphere, Tube
 from .lights import Source
 from .opening_bodies import make_body
-from .textures import is_spectral
 
 DELTA_RADIUS = 1e-5
 """Point lights smaller than this are ideal points. [m]"""
@@ -63,11 +63,13 @@ class Shared:
     origin : (3,) array    Of the compiled scene's frame. [m]
     nothing : mi.BSDF    What bodies are made of for others' light.
     luminaires : mi.Emitter or None    That of all luminaires of the scene; no other light needs it.
+    rectangles : mi.Emitter or None    That of all rectangular area lights, likewise.
     """
 
     origin: np.ndarray
     nothing: object
     luminaires: object | None = None
+    rectangles: object | None = None
 
 
 def compile_light(light: Light, shared: Shared) -> CompiledLight | None:
@@ -92,9 +94,12 @@ def change_light(compiled: CompiledLight, light: Light, shared: Shared) -> bool 
     new = compile_light(light, shared)
     if new is None or new.body is None or new.body.shape_type() != compiled.body.shape_type():
         return None
-    if new.source.emitter.is_narrow != compiled.source.emitter.is_narrow:
-        return None
-    compiled.source.emitter.__dict__.update(new.source.emitter.__dict__)
+    if new.source.rectangle is not None:
+        compiled.source.rectangle = new.source.rectangle
+    else:
+        if new.source.emitter.is_narrow != compiled.source.emitter.is_narrow:
+            return None
+        compiled.source.emitter.__dict__.update(new.source.emitter.__dict__)
     is_moved = not all(
         np.array_equal(getattr(old, entry.name), getattr(light, entry.name))
         for entry in fields(light)
@@ -110,13 +115,22 @@ def change_light(compiled: CompiledLight, light: Light, shared: Shared) -> bool 
     return is_moved
 
 
+def is_rectangle(light: Light) -> bool:
+    """Whether a light is one of the rectangles that share an emitter."""
+    return isinstance(light, AreaLight) and light.shape != "ellipse"
+
+
+def _tan_spread(spread: float) -> float:
+    """Tangent of half of Blender's spread [rad], 0 where all of the half-space is lit as by a Lambertian surface."""
+    return float(np.tan(0.5 * spread)) if spread < np.pi - 1e-3 else 0.0
+
+
 def surface_emitter(luminance, two_sided=False, pattern=None, spread=np.pi):
     """Emitter of a luminous surface. ``luminance``: its luminance; ``pattern``: texture that multiplies it."""
     plugin = {"type": "lumenray_surface", "radiance": luminance.texture(), "two_sided": two_sided}
     if pattern is not None:
         plugin["pattern"] = pattern
-    if spread < np.pi - 1e-3:
-        plugin["tan_spread"] = float(np.tan(0.5 * spread))
+    plugin["tan_spread"] = _tan_spread(spread)
     return mi.load_dict(plugin)
 
 
@@ -170,14 +184,23 @@ def _make_area(light: AreaLight, shared: Shared) -> CompiledLight:
     luminance = emission.area_luminance(light)
     flux = luminance.amount * np.pi * light.area / units.spread_axis_factor(light.spread)
     frame = _local(light.frame, shared.origin)
-    is_ellipse = light.shape == "ellipse"
+    is_ellipse = not is_rectangle(light)
     # Blender's area lights shine along -z, Mitsuba's flat shapes along +z: turn about x.
     placed = frame @ np.diag([0.5 * light.size_x, -0.5 * light.size_y, -1.0, 1.0])
     shape = {"type": "disk" if is_ellipse else "rectangle", "to_world": _transform(placed)}
-    emitter = surface_emitter(luminance, spread=light.spread)
-    if not is_ellipse:
-        emitter.set_rectangle(*placed[:3, [3, 0, 1]].T)
-    source = Source(emitter, flux, luminance.density, frame[:3, 3], light.reach, -frame[:3, 2])
+    row, emitter = None, shared.rectangles
+    if is_ellipse:
+        emitter = surface_emitter(luminance, spread=light.spread)
+    else:
+        row = RectangleRow(
+            *placed[:3, [3, 0, 1]].T,
+            luminance.known_amount,
+            luminance.density,
+            _tan_spread(light.spread),
+        )
+    source = Source(
+        emitter, flux, luminance.density, frame[:3, 3], light.reach, -frame[:3, 2], rectangle=row
+    )
     flat = Flat(frame, light.size_x, light.size_y, light.area, is_ellipse, light.spread)
     return _with_body(light, shape, source, shared, flat)
 
@@ -237,7 +260,7 @@ def _row_of(light: Luminaire, origin, digest: bytes) -> Row:
         axes,
         half,
         frame[:3, 3] - origin,
-        flux.amount if flux.visible or is_spectral() else 0.0,
+        flux.known_amount,
         flux.density,
         None if light.rays is None else rotation,
         light.rays,
@@ -280,7 +303,9 @@ def _transform(matrix: np.ndarray):
 
 def _with_body(light, shape: dict, source: Source, shared: Shared, outline) -> CompiledLight:
     """Give a light its luminous body; light of others passes it, as in Blender."""
-    body = mi.load_dict({**shape, "bsdf": shared.nothing, "emitter": source.emitter})
+    # An emitter that lights share belongs to no shape.
+    own = {"emitter": source.emitter} if source.rectangle is None else {}
+    body = mi.load_dict({**shape, "bsdf": shared.nothing, **own})
     # Mitsuba keeps a rectangle's place as a part of kernels until it is set anew.
     _set_place(body, mi.traverse(body)["to_world"])
     return CompiledLight(light, source, body, outline)

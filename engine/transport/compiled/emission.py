@@ -33,11 +33,16 @@ class Emitted:
     density: np.ndarray
     visible: bool = True
 
+    @property
+    def known_amount(self) -> float:
+        """The amount as far as the variant knows of it: photometric ones have none of light without a visible part."""
+        return self.amount if self.visible or is_spectral() else 0.0
+
     def texture(self) -> dict:
         """Texture of the spectral quantity, or of the photometric one in photometric variants."""
         if is_spectral():
             return table(self.amount * self.density)
-        return number(self.amount if self.visible else 0.0)
+        return number(self.known_amount)
 
     def scaled(self, factor: float) -> "Emitted":
         """Return the same light, ``factor`` times as much."""

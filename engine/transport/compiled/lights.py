@@ -9,6 +9,7 @@ import numpy as np
 from ...arrays import pointer_id, table_size, upload
 from ...luminaires.emitters.distribution_arrays import FLOOR
 from ...luminaires.emitters.palette import LuminairePalette, Row
+from ...luminaires.emitters.rectangle_plugin import RectangleRow
 from .light_profiles import CONE, FLAT, LAMBERTIAN, columns_of, cone_intensity, make_profiles
 from .light_tree import NOWHERE, TINY, LightTree
 
@@ -33,6 +34,7 @@ class Source:
     axis : (3,) array or None    Direction to which a flat one-sided emitter shines, or axis of a cone.
     luminaire : Row or None    What the `LuminairePalette` holds of it; ``emitter`` is the palette's then.
     cone : float or None    Cosine of the angle to the axis beyond which nothing is lit; None: nothing behind it is.
+    rectangle : RectangleRow or None    What the `RectangleTable` holds of it; ``emitter`` stands for all of them then.
     """
 
     emitter: object
@@ -43,6 +45,7 @@ class Source:
     axis: np.ndarray | None = None
     luminaire: Row | None = None
     cone: float | None = None
+    rectangle: RectangleRow | None = None
     number: int = field(init=False)
 
     def __post_init__(self):
@@ -55,7 +58,11 @@ class Source:
             return (0,)
         axis = (0.0, 0.0, 0.0) if self.axis is None else tuple(self.axis)
         cone = -2.0 if self.cone is None else self.cone
-        kind, more = (1, ()) if self.luminaire is None else (2, self.luminaire.order())
+        kind, more = 1, ()
+        if self.rectangle is not None:
+            kind, more = 2, self.rectangle.order()
+        if self.luminaire is not None:
+            kind, more = 3, self.luminaire.order()
         return (kind, *self.centre, self.radius, *axis, cone, self.flux, *more)
 
 
@@ -93,15 +100,21 @@ class LightTable:
         self.sources = sources
         self.reach = reach
         self.tree = None
+        self.has_rectangles = False
         if not sources:
             return
         ids = np.array([source.number for source in sources])
         number = np.zeros(table_size(int(ids.max()) + 1), dtype=np.uint32)
-        # Luminaires share a number, that of the first, and are told apart by their row.
+        # Luminaires share a number, that of the first, and are told apart by their row, and so do rectangles of lamps.
         number[ids[::-1]] = np.arange(self.count)[::-1]
         self._plain = sum(source.luminaire is None for source in sources)
-        self._rows = {id(source): i for i, source in enumerate(sources[self._plain :])}
+        single = sum(source.rectangle is None for source in sources[: self._plain])
+        self.has_rectangles = single < self._plain
+        first = np.repeat([single, self._plain], [self._plain, self.count - self._plain])
+        rows = np.maximum(np.arange(self.count) - first, 0)
+        self._rows = {id(source): int(row) for source, row in zip(sources, rows, strict=True)}
         self._first_luminaire = dr.opaque(mi.UInt32, self._plain)
+        self._first_rectangle = dr.opaque(mi.UInt32, single)
         # No plain number: emitters are asked straight and over mirrors by the same code.
         self._no_row = dr.opaque(mi.Float, 0.0)
         self._last_row = dr.opaque(mi.UInt32, max(self.count - self._plain, 1) - 1)
@@ -218,28 +231,34 @@ class LightTable:
         return made
 
     def row_of(self, source: Source) -> int:
-        """Row of a luminaire of this table in the palette."""
+        """Row by which a luminaire or a rectangle is told apart from others of this table, 0 for other lights."""
         return self._rows[id(source)]
 
     def pointer(self, index):
         """Return the emitter with a number."""
         return dr.reinterpret_array(mi.EmitterPtr, dr.gather(mi.UInt32, self._pointers, index))
 
-    def index(self, pointer, active):
-        """Number of an emitter, luminaires aside."""
+    def index(self, pointer, active, row):
+        """Number of an emitter that shines. ``row``: as `row` gives it, and the time of a surface does."""
         ids = dr.reinterpret_array(mi.UInt32, pointer)
-        return dr.gather(mi.UInt32, self._number, ids, active)
+        return dr.gather(mi.UInt32, self._number, ids, active) + mi.UInt32(row)
 
     def is_outside(self, index):
         """Whether the emitter with a number gives light from infinity."""
         return (index == 0) & self._has_outside
 
     def row(self, index):
-        """Row of a luminaire in the palette, as the time by which it is told; 0 for other emitters."""
-        if self.palette is None:
+        """Row of a luminaire in the palette or of a rectangle, as the time by which it is told; 0 for other emitters."""
+        if self.palette is None and not self.has_rectangles:
             return self._no_row
-        first = self._first_luminaire
-        return mi.Float(dr.select(index >= first, index - first, 0))
+        row = mi.UInt32(0)
+        for is_there, first in (
+            (self.has_rectangles, self._first_rectangle),
+            (self.palette is not None, self._first_luminaire),
+        ):
+            if is_there:
+                row = dr.select(index >= first, index - first, row)
+        return mi.Float(row)
 
     def sample(self, u, point):
         """Return an emitter's number, its probability at a point, and the stretched remainder of ``u``."""
@@ -268,11 +287,10 @@ class LightTable:
         return index, share, rest
 
     def probability(self, pointer, point, active, row=0):
-        """Probability of choosing an emitter at a point. ``row``: which luminaire, if the pointer is the palette's."""
+        """Probability of choosing an emitter at a point. ``row``: as of `index`."""
         if self.count == 0:
             return mi.Float(0.0)
-        ids = dr.reinterpret_array(mi.UInt32, pointer)
-        index = dr.gather(mi.UInt32, self._number, ids, active) + mi.UInt32(row)
+        index = self.index(pointer, active, row)
         if self.tree is not None:
             place = dr.gather(mi.UInt32, self._place, index, active)
 

@@ -133,14 +133,14 @@ class SurfacePool:
         for name, start, count in self._ranges.pop(number, ()):
             self._stores[name].give_back(start, count)
 
-    def commit(self, size: int, bsdfs: np.ndarray, emitters: np.ndarray, luminaires) -> None:
+    def commit(self, size: int, bsdfs: np.ndarray, emitters: np.ndarray, lamps) -> None:
         """Bring the tables up to date.
 
         Parameters
         ----------
         size : int    Of the tables.
         bsdfs, emitters : (size,) int array    Numbers of the plug-ins of every shape, 0: none.
-        luminaires : (size,) int array or None    Row of every shape in the palette of luminaires; None: there are none.
+        lamps : (size,) int array or None    Row by which the emitter that lamps share knows a shape; None: none do.
         """
         for store in self._stores.values():
             store.commit()
@@ -152,7 +152,7 @@ class SurfacePool:
             vectors[numbers] = [row[4] for row in self._rows.values()]
         table[:, 4], table[:, 5] = bsdfs, emitters
         self._table = upload(mi.UInt32, table)
-        self._luminaires = None if luminaires is None else upload(mi.Float, luminaires)
+        self._lamps = None if lamps is None else upload(mi.Float, lamps)
         self._vectors = upload(mi.Float, vectors)
         axes = np.zeros_like(vectors)
         for number, axis in self._axes.items():
@@ -242,9 +242,9 @@ class SurfacePool:
         si = dr.zeros(mi.SurfaceInteraction3f)
         si.t = dr.select(valid, hit.t, dr.inf)
         si.time, si.wavelengths = mi.Float(0.0), ray.wavelengths
-        if self._luminaires is not None:
-            # The emitter of all luminaires is told by the time which of them is meant.
-            si.time = dr.gather(mi.Float, self._luminaires, number, valid)
+        if self._lamps is not None:
+            # An emitter of many lamps is told by the time which of them is meant.
+            si.time = dr.gather(mi.Float, self._lamps, number, valid)
         si.p, si.n, si.uv = point, mi.Normal3f(normal), uv
         si.sh_frame = mi.Frame3f(mi.Vector3f(shading))
         if self.has_grain:

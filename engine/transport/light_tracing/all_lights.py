@@ -268,7 +268,8 @@ class AllLights:
             sines[place] = lamp.outline.sine
         si = dr.zeros(mi.SurfaceInteraction3f, lanes.count)
         si.p, si.n = mi.Point3f(*_columns(points)), mi.Normal3f(*_columns(normals))
-        pointer = self._scene.lights.pointer(self._numbers(which))
+        numbers = self._numbers(which)
+        pointer, si.time = self._scene.lights.pointer(numbers), self._scene.lights.row(numbers)
         sides = np.ones(len(which))
         return self._shine(si, pointer, areas[which], sines[which], sides, lanes)
 

@@ -49,7 +49,7 @@ SHARES = (0.45, 0.4, 0.15)
 ASKED, FEWEST_ASKED = 8.0, 1.0 / 4.0
 """Vertices of a path that ask for bent light, relative to its share of all light, and the fewest of them. [-]"""
 
-COLUMNS = 22
+COLUMNS = 21
 """Of the table of aims; see `BentLights._upload`."""
 
 MAXIMUM_STEPS = 256
@@ -138,9 +138,8 @@ class BentLights:
             row[10], row[11] = aim.flux, each.size
             row[12:14] = light.start, light.number
             if light.source is not None:
-                row[14] = light.source.number
                 row[15:18] = light.source.centre
-            row[18], row[19:22] = number, aim.along
+            row[14], row[18:21] = number, aim.along
         self._rows = upload(mi.Float, rows)
         self._count = dr.opaque(mi.UInt32, len(pairs))
         self._suns = any(each.light.start == SUN for each in lights)
@@ -197,7 +196,7 @@ class BentLights:
 
     def light_of(self, index):
         """Number of the light that an aim belongs to."""
-        return mi.UInt32(self._number(index, 18))
+        return mi.UInt32(self._number(index, 14))
 
     def look(
         self,
@@ -286,7 +285,7 @@ class BentLights:
 
     def _density(self, index, total, point, direction, count, active):
         """Density with which all of the first aims that are of one light give a direction together. [sr-1]"""
-        light = self._number(index, 18)
+        light = self._number(index, 14)
 
         def add(density, i):
             pdf = mi.Float(0.0)
@@ -294,7 +293,7 @@ class BentLights:
                 # By the chord, since cosines of narrow cones have no digits left.
                 inside = 0.5 * dr.squared_norm(direction - axis) <= cap * (1.0 + 1e-4) + 1e-13
                 pdf += dr.select(inside, share * dr.inv_two_pi / cap, 0.0)
-            is_own = self._number(i, 18) == light
+            is_own = self._number(i, 14) == light
             return dr.select(is_own, density + self._weigh(i, point) * pdf, density), i + 1
 
         density, _ = dr.while_loop(
@@ -310,7 +309,7 @@ class BentLights:
         is_far, centre = self._number(index, 3) == DIRECTION, self._vector(index, 0)
         # Light that is still to be gathered comes from the other side.
         away = centre - point
-        away = dr.select(dr.dot(away, self._vector(index, 19)) > 0.0, -away, away)
+        away = dr.select(dr.dot(away, self._vector(index, 18)) > 0.0, -away, away)
         made = []
         for column in (4, 5):
             size = self._number(index, column)
@@ -326,7 +325,7 @@ class BentLights:
         """
         scene = self.scene
         start = self._number(index, 12)
-        emitter_number = mi.UInt32(self._number(index, 14))
+        light = mi.UInt32(self._number(index, 13))
         most = mi.UInt32(MAXIMUM_STEPS) if limit is None else mi.UInt32(limit)
 
         def body(rays, value, turns):
@@ -335,8 +334,8 @@ class BentLights:
             valid = rays.active & si.is_valid()
             if self._surfaces and not self.is_compared:
                 emitter = scene.emitter(si, valid)
-                number = dr.reinterpret_array(mi.UInt32, emitter)
-                met = counts & valid & (start == SURFACE) & (number == emitter_number)
+                met = counts & valid & (start == SURFACE) & (emitter != None)  # noqa: E711 - element-wise
+                met &= scene.lights.index(emitter, met, si.time) == light
                 value = value + dr.select(met, rays.throughput * emitter.eval(si, met), 0.0)
             if self._points:
                 is_point = counts & (start == IDEAL)

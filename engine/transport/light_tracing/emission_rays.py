@@ -296,7 +296,9 @@ class EmissionRays:
             if wavelengths is not None:
                 it.wavelengths = wavelengths
             ds.p, ds.n, ds.uv, ds.d = surface.p, surface.n, surface.uv, -direction
-            pointer = scene.lights.pointer(dr.select(is_surface, number, 0))
+            index = dr.select(is_surface, number, 0)
+            it.time = scene.lights.row(index)
+            pointer = scene.lights.pointer(index)
             value = pointer.eval_direction(it, ds, is_surface)
             value *= dr.abs(dr.dot(surface.n, direction)) / dr.maximum(surface.pdf, 1e-30)
             amount = dr.select(is_surface, value, amount)

@@ -178,14 +178,14 @@ def left_out_of(lights) -> LeftOut | None:
     starts = {light.start for light in lights}
     if not starts & {SUN, SURFACE}:
         return None
-    numbers = [light.source.number for light in lights if light.start == SURFACE]
+    numbers = [light.number for light in lights if light.start == SURFACE]
     if not numbers:
         return LeftOut(True)
     table = np.zeros(table_size(max(numbers) + 1), dtype=bool)
     table[numbers] = True
-    emitters = upload(mi.Bool, table)
-    dr.eval(emitters)
-    return LeftOut(SUN in starts, emitters)
+    surfaces = upload(mi.Bool, table)
+    dr.eval(surfaces)
+    return LeftOut(SUN in starts, surfaces)
 
 
 def send_pilot(scene: CompiledScene, rays: EmissionRays, sampler, count: int) -> dict:

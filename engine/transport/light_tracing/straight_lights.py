@@ -457,7 +457,7 @@ class NearLimits:
 
     def has_emitter(self, emitter, row, point, active):
         """As `has`, for a luminous surface that a ray has met. ``row``: of a luminaire, see `LightTable.row`."""
-        return self.has(self._lights.index(emitter, active) + mi.UInt32(row), point, active)
+        return self.has(self._lights.index(emitter, active, row), point, active)
 
 
 def find_candidates(scene) -> tuple[TracedLight, ...]:

@@ -13,15 +13,14 @@ class LeftOut:
     Parameters
     ----------
     suns : bool    Whether that of the suns is.
-    emitters : Bool or None    Which luminous surfaces' is, by number of the emitter; None: none's.
+    surfaces : Bool or None    Which luminous surfaces' is, by their place among the lights; None: none's.
     """
 
     suns: bool
-    emitters: object = None
+    surfaces: object = None
 
-    def has(self, emitter, active):
-        """Whether light of an emitter is left out."""
-        if self.emitters is None:
+    def has(self, lights, emitter, row, active):
+        """Whether light of an emitter is left out. ``lights``: the `LightTable`; ``row``: as of `LightTable.index`."""
+        if self.surfaces is None:
             return mi.Bool(False)
-        number = dr.reinterpret_array(mi.UInt32, emitter)
-        return dr.gather(mi.Bool, self.emitters, number, active)
+        return dr.gather(mi.Bool, self.surfaces, lights.index(emitter, active, row), active)
