@@ -63,6 +63,16 @@ class RectangleTable:
             dr.gather(mi.Vector3f, self._vectors, row * VECTORS + k, active) for k in range(VECTORS)
         )
 
+    def sample_place(self, row, sample, active):
+        """Draw a place, evenly over the area. PositionSample3f"""
+        centre, x, y = self.rectangle(row, active)
+        across = dr.cross(x, y)
+        made = dr.zeros(mi.PositionSample3f)
+        made.p = centre + x * (2.0 * sample.x - 1.0) + y * (2.0 * sample.y - 1.0)
+        made.n = dr.normalize(across)
+        made.pdf = dr.rcp(4.0 * dr.norm(across))
+        return made
+
     def radiance(self, row, cosine, wavelengths, active):
         """Radiance under an angle to the normal; 0 behind. Spectrum"""
         spread = dr.gather(mi.Float, self._spreads, row, active)

@@ -382,7 +382,10 @@ class CompiledScene:
         if outside is not None:
             sources.insert(0, outside)
         palette = self._luminaires.palette if rows else None
-        self.lights = LightTable(sources, max(self.radius, 1.0), self._outside.portals, palette)
+        table = self._rectangles.table if rectangles else None
+        self.lights = LightTable(
+            sources, max(self.radius, 1.0), self._outside.portals, palette, table
+        )
 
     # ---- tables by shape ----
 
@@ -452,7 +455,7 @@ class CompiledScene:
                 continue
             columns["emitter"][light.body_id] = light.source.number
             columns["lamp"][light.body_id] = self.lights.row_of(light.source)
-        has_rows = self.lights.palette is not None or self.lights.has_rectangles
+        has_rows = self.lights.palette is not None or self.lights.rectangles is not None
         lamps = columns["lamp"] if has_rows else None
         surfaces = [item.surface for item in self._objects.materials()]
         self._pool.has_grain = any(surface.has_grain for surface in surfaces)

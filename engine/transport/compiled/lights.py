@@ -9,7 +9,7 @@ import numpy as np
 from ...arrays import pointer_id, table_size, upload
 from ...luminaires.emitters.distribution_arrays import FLOOR
 from ...luminaires.emitters.palette import LuminairePalette, Row
-from ...luminaires.emitters.rectangle_plugin import RectangleRow
+from ...luminaires.emitters.rectangle_plugin import RectangleRow, RectangleTable
 from .light_profiles import CONE, FLAT, LAMBERTIAN, columns_of, cone_intensity, make_profiles
 from .light_tree import NOWHERE, TINY, LightTree
 
@@ -85,6 +85,7 @@ class LightTable:
     reach : float    Radius of the scene. [m]
     portals : PortalSet or None
     palette : LuminairePalette or None    Holds the luminaires among the sources, in their order.
+    rectangles : RectangleTable or None    Holds the rectangles, likewise.
     """
 
     def __init__(
@@ -93,14 +94,14 @@ class LightTable:
         reach: float,
         portals=None,
         palette: LuminairePalette | None = None,
+        rectangles: RectangleTable | None = None,
     ):
         self.count = len(sources)
-        self.palette = palette
+        self.palette, self.rectangles = palette, rectangles
         self.portals = portals
         self.sources = sources
         self.reach = reach
         self.tree = None
-        self.has_rectangles = False
         if not sources:
             return
         ids = np.array([source.number for source in sources])
@@ -109,7 +110,6 @@ class LightTable:
         number[ids[::-1]] = np.arange(self.count)[::-1]
         self._plain = sum(source.luminaire is None for source in sources)
         single = sum(source.rectangle is None for source in sources[: self._plain])
-        self.has_rectangles = single < self._plain
         first = np.repeat([single, self._plain], [self._plain, self.count - self._plain])
         rows = np.maximum(np.arange(self.count) - first, 0)
         self._rows = {id(source): int(row) for source, row in zip(sources, rows, strict=True)}
@@ -243,20 +243,29 @@ class LightTable:
         ids = dr.reinterpret_array(mi.UInt32, pointer)
         return dr.gather(mi.UInt32, self._number, ids, active) + mi.UInt32(row)
 
+    def sample_place(self, index, sample, active):
+        """Draw a place on a luminous surface, evenly over its area; luminaires have none. PositionSample3f"""
+        made = self.pointer(index).get_shape().sample_position(0.0, sample, active)
+        if self.rectangles is None:
+            return made
+        is_own = active & (index >= self._first_rectangle) & (index < self._first_luminaire)
+        own = self.rectangles.sample_place(mi.UInt32(self.row(index)), sample, is_own)
+        return dr.select(is_own, own, made)
+
     def is_outside(self, index):
         """Whether the emitter with a number gives light from infinity."""
         return (index == 0) & self._has_outside
 
     def row(self, index):
         """Row of a luminaire in the palette or of a rectangle, as the time by which it is told; 0 for other emitters."""
-        if self.palette is None and not self.has_rectangles:
+        if self.palette is None and self.rectangles is None:
             return self._no_row
         row = mi.UInt32(0)
-        for is_there, first in (
-            (self.has_rectangles, self._first_rectangle),
-            (self.palette is not None, self._first_luminaire),
+        for table, first in (
+            (self.rectangles, self._first_rectangle),
+            (self.palette, self._first_luminaire),
         ):
-            if is_there:
+            if table is not None:
                 row = dr.select(index >= first, index - first, row)
         return mi.Float(row)
 

@@ -247,8 +247,8 @@ class EmissionRays:
         surface = None
         if self._has_surfaces:
             is_surface = self.starts(pair, SURFACE)
-            pointer = self._scene.lights.pointer(dr.select(is_surface, self._number(pair), 0))
-            surface = pointer.get_shape().sample_position(0.0, spread, is_surface)
+            index = dr.select(is_surface, self._number(pair), 0)
+            surface = self._scene.lights.sample_place(index, spread, is_surface)
             centre = dr.select(is_surface, mi.Vector3f(surface.p), centre)
         sphere, radius = self._row(self._spheres, pair)
         away = sphere - centre
