@@ -16,6 +16,7 @@ from lumenray.engine.scene.light import AreaLight, Output, PointLight, Quantity
 from lumenray.engine.scene.material import Black, Emission, Material
 from lumenray.engine.scene.scene import SceneDelta
 from lumenray.engine.scene.spectrum import Blackbody, Illuminant
+from lumenray.engine.session import Session
 from lumenray.engine.views import ViewSettings
 
 pytestmark = pytest.mark.mitsuba
@@ -88,6 +89,21 @@ def test_rays_that_meet_them_find_the_same_light():
     error = np.sqrt(whole.standard_error**2 + sum(each.standard_error**2 for each in alone))
     assert (np.abs(whole.illuminance - total) < 4.5 * error).all()
     assert (error < 0.05 * total).all()
+
+
+def test_the_second_witness_agrees_about_each_of_them():
+    """It sends rays from the lamps: of the wrong one they would carry another flux."""
+    session = Session()
+    session.apply(SceneDelta((paint(0.5), box(3.0, 3.0, 3.2), *lamps().values())))
+    edge = np.linspace(0.2, 2.8, 12)
+    x, y = (each.ravel() for each in np.meshgrid(edge, edge))
+    places = np.column_stack([x, y, np.full_like(x, 0.01)])
+    made = session.measure(places, np.tile(UP[0], (len(x), 1)), StopRule(samples=1 << 12))
+    emitted = made.balance["emitted"]
+    flux = sum(light.output.value for light in lamps().values())
+    assert abs(emitted["value"] - flux) < 4.5 * emitted["standard_error"]
+    assert not made.floors.any(), made.provenance.notes
+    assert (made.standard_error < 0.05 * made.illuminance).all()
 
 
 def test_a_hundred_cost_no_more_to_trace_than_two(monkeypatch):
