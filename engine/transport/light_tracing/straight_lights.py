@@ -199,7 +199,11 @@ class StraightLights:
         """Choose lights and their limits. ``most``: largest K that the first passes cope with."""
         self._start(self.lights, None)
         landed, shorter = None, 1
-        for number, count in enumerate(PILOT):
+        rounds = list(PILOT)
+        if self._unmattering:
+            # So many that most lights are known by them.
+            rounds[0] = int(np.clip(4 * KNOWN * len(self.lights), PILOT[0], max(PILOT)))
+        for number, count in enumerate(rounds):
             landed = self._look(number, count // (shorter if number else 1))
             chosen = [self._limit_of(landed, n, most) for n in range(len(self.lights))]
             if number == 0:

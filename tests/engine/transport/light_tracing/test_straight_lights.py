@@ -431,8 +431,10 @@ def test_limits_near_luminaires_are_those_of_their_rows():
 
         from lumenray.engine.transport.light_tracing.straight_lights import NearLimits
 
-        # All luminaires have the number of the first one until their row is added.
-        lights = SimpleNamespace(count=3, index=lambda pointer, active: mi.UInt32(1))
+        # All luminaires have the number of the first one, to which their row is added.
+        lights = SimpleNamespace(
+            count=3, index=lambda pointer, active, row: mi.UInt32(1) + mi.UInt32(row)
+        )
         source = SimpleNamespace(centre=np.zeros(3))
         near = NearLimits(lights, {1: (source, 0.5)})
         place = mi.Point3f(0.1, 0.0, 0.0)
