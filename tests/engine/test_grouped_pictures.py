@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from live_scenes import camera_at, lamp
 from luminaires import OPENINGS, luminaire
+from ray_lamps import lamp_at
 from small_scenes import box, paint, quad, session_of
 
 from lumenray.engine.accuracy.stopping import StopRule
@@ -172,3 +173,15 @@ def test_groups_of_all_kinds_of_light_add_up():
 def test_groups_that_make_no_sense_are_refused(session):
     with pytest.raises(SceneError, match="can be in one"):
         rendered(session, 4, (LightGroup("x", ("a",)), LightGroup("y", ("a",))))
+
+
+def test_a_ray_set_near_a_surface_is_asked_in_the_picture_of_its_own_group_alone():
+    lights = (
+        lamp_at(np.array([2.0, 2.0, 0.3])),
+        luminaire("batwing", place=(1.0, 1.0, 2.5), key="b"),
+    )
+    session = session_of(*ROOM, paint(0.2, "glow"), *lights)
+    made = rendered(session, 64, tuple(LightGroup(each.id, (each.id,)) for each in lights))
+    plain = rendered(session, 64, seed=2)
+    assert ratio(made, plain, "tristimulus", "luminance_error") == pytest.approx(1.0, abs=0.15)
+    assert all(group.tristimulus.any() for group in made.groups[:2])

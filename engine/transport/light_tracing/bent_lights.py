@@ -106,7 +106,7 @@ class BentLights:
         self.is_needed = bool(kept)
         if not kept:
             return
-        self.left_out = left_out_of([each.light for each in kept]) or self.left_out
+        self.left_out = left_out_of(scene, [each.light for each in kept]) or self.left_out
         self.lights = tuple(each.light for each in kept)
         self.notes = tuple(_notes(kept, found[len(kept) :], targets.names))
         self._kept, self._unseen = kept, None

@@ -101,7 +101,7 @@ class LightTracer:
     @property
     def left_out(self) -> LeftOut | None:
         """What rays from receivers must not count, since it is traced; None: nothing that they could find."""
-        return left_out_of(self.lights) if self._bends else None
+        return left_out_of(self.scene, self.lights) if self._bends else None
 
     def trace(self, count: int, seed: int, index: int = 0, straight=None) -> Deposits:
         """Trace paths.
@@ -173,7 +173,7 @@ def find_bent_lights(scene: CompiledScene, tree, sampler) -> tuple[TracedLight, 
     return ideal + tuple(light for light, hard in zip(found, is_hard, strict=True) if hard)
 
 
-def left_out_of(lights) -> LeftOut | None:
+def left_out_of(scene, lights) -> LeftOut | None:
     """What scattered rays must not count of light that is traced; None where they would find none of it."""
     starts = {light.start for light in lights}
     if not starts & {SUN, SURFACE}:
@@ -181,7 +181,7 @@ def left_out_of(lights) -> LeftOut | None:
     numbers = [light.number for light in lights if light.start == SURFACE]
     if not numbers:
         return LeftOut(True)
-    table = np.zeros(table_size(max(numbers) + 1), dtype=bool)
+    table = np.zeros(table_size(scene.lights.count), dtype=bool)
     table[numbers] = True
     surfaces = upload(mi.Bool, table)
     dr.eval(surfaces)

@@ -50,9 +50,15 @@ def near_rays(scene, places: np.ndarray):
     ``places``: of what is asked, in the scene's frame (n, 3) [m]; surfaces of the scene count anyhow.
     """
     near, narrow = [], []
+    shining = set(map(id, scene.lights.sources))
     for name, source in scene.named_sources():
         row = source.luminaire
-        if row is None or row.rays is None or not len(row.rays.threshold):
+        if (
+            id(source) not in shining
+            or row is None
+            or row.rays is None
+            or not len(row.rays.threshold)
+        ):
             continue
         if _is_near(scene, row.centre, row.rays.near, places):
             (narrow if row.rays.is_narrow else near).append((name, source))

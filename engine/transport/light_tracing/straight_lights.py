@@ -260,10 +260,12 @@ class StraightLights:
         """
         squares = np.bincount(landed.light, landed.flux * landed.lux, len(self.lights))
         is_known = np.bincount(landed.light, minlength=len(self.lights)) >= KNOWN
+        # Of others a single ray may stand for much light by chance.
+        whole = landed.flux[is_known[landed.light]].sum()
         order = np.argsort(squares, kind="stable")
         together = np.cumsum(squares[order]) * UNSURE
         is_idle = np.zeros(len(squares), dtype=bool)
-        is_idle[order] = together <= self._unmattering * landed.flux.sum() ** 2
+        is_idle[order] = together <= self._unmattering * whole**2
         is_bundled = np.array([limit != 0.0 for limit in chosen])
         is_left = is_bundled & ~(is_idle & is_known)
         shorter = SHORTER if is_known[is_left].all() else 1

@@ -298,8 +298,8 @@ class PathLoop:
         if scene.near is not None:
             glows &= ~scene.near.has_emitter(emitter, si.time, path.reference, competes)
         if self._left_out is not None:
-            is_left_out = self._left_out.has(scene.lights, emitter, si.time, glows)
-            glows &= ~(path.bent & path.is_answered & is_left_out)
+            asks = glows & path.bent & path.is_answered
+            glows &= ~(asks & self._left_out.has(scene.lights, emitter, si.time, asks))
         if path.share is not None:
             weight *= path.share
         amount = path.throughput * value * weight

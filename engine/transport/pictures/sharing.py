@@ -221,8 +221,9 @@ def _orthonormal(feature: np.ndarray, before: list[np.ndarray]) -> np.ndarray:
 class Fit:
     """Planes over the pixels of tiles by least squares, which count each by a weight.
 
-    The weight of a pixel is what it gets of these tiles over what it shows. So what is added to the pixels of a tile sums up
-    to 0 as it is blended with that of other tiles: light is moved within a tile, and none is lost.
+    The weight of a pixel is what it gets of these tiles over what it shows. So what is added to the pixels of a surface sums
+    up to 0 as it is blended with that of other tiles: light is moved within a tile, and none is lost, but for what pixels
+    that show several surfaces or would fall below 0 make of it.
 
     Parameters
     ----------
