@@ -462,7 +462,7 @@ class NearLimits:
         return active & (dr.squared_norm(point - mi.Point3f(x, y, z)) < square)
 
     def has_emitter(self, emitter, row, point, active):
-        """As `has`, for a luminous surface that a ray has met. ``row``: of a luminaire, see `LightTable.row`."""
+        """As `has`, for a luminous surface that a ray has met. ``row``: as of `LightTable.index`."""
         return self.has(self._lights.index(emitter, active, row), point, active)
 
 

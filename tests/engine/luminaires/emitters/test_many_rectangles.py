@@ -106,7 +106,7 @@ def test_the_second_witness_agrees_about_each_of_them():
     assert (made.standard_error < 0.05 * made.illuminance).all()
 
 
-def test_a_hundred_cost_no_more_to_trace_than_two(monkeypatch):
+def test_a_hundred_cost_no_more_to_trace_than_twenty(monkeypatch):
     from lumenray.engine.luminaires.emitters.rectangle_plugin import RectangleTable
 
     asked = []
