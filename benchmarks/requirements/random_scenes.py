@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...engine.accuracy.stopping import StopRule
-from ...engine.requirements import estimator, wavelengths
+from ...engine.requirements import estimator, roulette, wavelengths
 from ...engine.requirements.decision import Asked, Decision, boxes_of
 from ...engine.requirements.plan import DECISIONS, make_plan
 from ...engine.scene.light import AreaLight, Output, PointLight, Quantity, SpotLight, UniformWorld
@@ -113,7 +113,7 @@ def make_scene(number: int) -> RandomScene:
 TRIED = tuple(name for name in DECISIONS if name != estimator.NAME)
 """Decisions that are tried: what cells change is no bound of a plan, but measured by every job."""
 
-SELDOM = {wavelengths.NAME: 4}
+SELDOM = {wavelengths.NAME: 4, roulette.NAME: 4}
 """In one of how many scenes a decision is tried that would be in nearly all of them."""
 
 

@@ -34,8 +34,9 @@ TEXT = """# What a scene needs
 *Made by `lumenray benchmark requirements`; do not edit by hand.*
 
 Twelve scenes, illuminance at 1000 to 2000 sensors to an error of {error:g} %: all automatic, against everything
-modelled in full, every decision switched off as by `--model all=off` (with wavelengths, drawn evenly, by full paths,
-the rays of ray sets everywhere, nothing merged or left out). Seconds are those of the processors, with kernels made
+modelled in full, every decision switched off as by `--model all=off` (with wavelengths, drawn evenly, by full paths on
+which roulette begins at the third vertex, as many samples for all sensors, the rays of ray sets everywhere, nothing merged
+or left out). Seconds are those of the processors, with kernels made
 and the scene compiled, without the second witness, which costs both the same; of runs in full of
 more than {longest:g} s and automatic ones of more than {own:g} s, marked by \\*, they are reckoned from the error that was
 reached, and the latter, {few} in place of {seeds}, are judged by the error that they state. *True error*: root mean

@@ -4,13 +4,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .tails import tail_factor
-
 
 class Accumulator:
-    """Sums of samples in double precision, kept apart by independent group.
-
-    Two groups are the even and odd halves of a map; sensors take more, so that each has an error of its own.
+    """Sums of samples in double precision, kept apart by independent group, of which all have as many.
 
     Parameters
     ----------
@@ -20,8 +16,6 @@ class Accumulator:
 
     def __init__(self, groups: int, shape):
         self._sum = np.zeros((groups, *np.atleast_1d(shape)), dtype=np.float64)
-        self._squares = np.zeros(0)
-        self._largest = np.zeros(0)
         self.samples = 0
 
     @property
@@ -29,39 +23,15 @@ class Accumulator:
         """Number of groups."""
         return len(self._sum)
 
-    def add(self, sums: np.ndarray, samples: int, squares=None, largest=None) -> None:
-        """Add sums over ``samples`` new samples of every group.
-
-        Parameters
-        ----------
-        sums : (groups, ...) array
-        samples : int
-        squares, largest : (...) array or None
-            Over all groups, of a shape that goes with the values: sum of the samples' squares, and the largest of these.
-        """
+    def add(self, sums: np.ndarray, samples: int) -> None:
+        """Add sums (groups, ...) over ``samples`` new samples of every group."""
         self._sum += sums
         self.samples += samples
-        if squares is not None:
-            if self._squares.shape != squares.shape:
-                self._squares, self._largest = np.zeros_like(squares), np.zeros_like(largest)
-            self._squares = self._squares + squares
-            self._largest = np.maximum(self._largest, largest)
 
     def estimate(self) -> "Estimate":
         """Return mean and standard error so far."""
         means = self._sum / max(self.samples, 1)
-        made = Estimate.from_groups(means, self.samples * self.groups)
-        if not self._squares.size:
-            return made
-        # What stems from few samples is not known as well as it seems, see `tails`.
-        factor = tail_factor(self._squares, self._largest, made.samples)
-        events = np.divide(
-            self._squares,
-            self._largest,
-            out=np.full(self._squares.shape, np.inf),
-            where=self._largest > 0.0,
-        )
-        return Estimate(made.mean, made.standard_error * factor, made.samples, events)
+        return Estimate.from_groups(means, self.samples * self.groups)
 
 
 @dataclass(frozen=True)
@@ -71,7 +41,8 @@ class Estimate:
     ``mean`` and ``standard_error`` have the shape of the quantity; ``samples`` counts all groups together. ``events``: as
     how many samples of the largest one's size the squares of all add up to; None where nobody counted. ``lost``: how many
     samples of all values together were no numbers. ``floors``: part of the errors that more samples do not lower, the same
-    in all channels (n,); None where there is none.
+    in all channels (n,); None where there is none. ``fewest_most``: samples of the values that have fewest and most of them;
+    None where all have as many, and ``samples`` is their mean otherwise.
     """
 
     mean: np.ndarray
@@ -80,6 +51,7 @@ class Estimate:
     events: np.ndarray | None = None
     lost: int = 0
     floors: np.ndarray | None = None
+    fewest_most: tuple[int, int] | None = None
 
     @classmethod
     def from_groups(cls, means: np.ndarray, samples: int) -> "Estimate":

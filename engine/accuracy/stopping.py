@@ -150,17 +150,27 @@ def format_seconds(seconds: float) -> str:
     return f"{seconds // 3600}:{seconds % 3600 // 60:02d} h"
 
 
-def excess_of(rule: StopRule, made) -> float | None:
-    """Largest error of a single value over what the rule allows it, None when it says nothing of single values.
+def excesses_of(rule: StopRule, made) -> np.ndarray | None:
+    """Errors of single values over what the rule allows them, None when it says nothing of these. (n,) [-]
 
     ``made``: an `Estimate`. (n,)
     """
     if rule.limits:
         allowed = np.array(rule.limits)
-        if (made.standard_error[allowed <= 0.0] > 0.0).any():
-            return float("inf")
-        return float((made.standard_error / np.where(allowed > 0.0, allowed, 1.0)).max(initial=0.0))
-    return None if rule.each is None else made.largest_error(rule.floor) / rule.each
+    elif rule.each is not None:
+        allowed = rule.each * np.maximum(np.abs(made.mean), rule.floor)
+    else:
+        return None
+    is_known = allowed > 0.0
+    # A value of 0 without error counts as known.
+    unknown = np.where(made.standard_error > 0.0, np.inf, 0.0)
+    return np.where(is_known, made.standard_error / np.where(is_known, allowed, 1.0), unknown)
+
+
+def excess_of(rule: StopRule, made) -> float | None:
+    """The largest of `excesses_of`, None when the rule says nothing of single values."""
+    excesses = excesses_of(rule, made)
+    return None if excesses is None else float(excesses.max(initial=0.0))
 
 
 SLOWEST, FASTEST = 0.4, 0.9

@@ -108,6 +108,8 @@ class Outcome:
     is_dispersive : bool    Whether glass refracts by the wavelength.
     late : tuple of Late    By the number of reflections.
     draws_evenly : bool    Whether wavelengths are drawn evenly from all that there are.
+    samples_evenly : bool    Whether all sensors get as many samples.
+    reflectance : float    Of surfaces on the mean, by which roulette waits; 0: it begins at once. [-]
     method : str    How reflected light is found, as of `Session.measure`.
     """
 
@@ -117,6 +119,8 @@ class Outcome:
     is_dispersive: bool = False
     late: tuple[Late, ...] = ()
     draws_evenly: bool = False
+    samples_evenly: bool = False
+    reflectance: float = 0.0
     method: str = "auto"
 
 

@@ -5,7 +5,17 @@ from dataclasses import dataclass, field, replace
 from ..errors import SceneError
 from ..scene.modelling import Switch
 from ..scene.scene import Scene, content_digest
-from . import colours, equal_materials, estimator, ray_sets, surfaces, unseen, wavelengths
+from . import (
+    colours,
+    equal_materials,
+    estimator,
+    ray_sets,
+    roulette,
+    samples,
+    surfaces,
+    unseen,
+    wavelengths,
+)
 from .budget import left_to_samples
 from .decision import Asked, Decision, Late, Outcome
 from .facts import Facts
@@ -18,6 +28,8 @@ DECISIONS = {
     colours.NAME: colours.decide,
     wavelengths.NAME: wavelengths.decide,
     estimator.NAME: estimator.decide,
+    samples.NAME: samples.decide,
+    roulette.NAME: roulette.decide,
 }
 """What decides, by the decision's name. What saves most comes first: it takes what it needs of the budget."""
 
@@ -38,6 +50,8 @@ class Plan:
     changes : dict    Items in place of the scene's, by id; None: left out.
     late : tuple of Late    What more light may be wrong by where it comes late.
     draws_evenly : bool    Whether wavelengths are drawn evenly from all that there are.
+    samples_evenly : bool    Whether all sensors get as many samples.
+    reflectance : float    Of surfaces on the mean, by which roulette waits for paths of sensors; 0: it begins at once. [-]
     method : str    How reflected light is found where a job leaves that open, as of `Session.measure`, see `method_of`.
     """
 
@@ -49,6 +63,8 @@ class Plan:
     changes: dict[str, object] = field(default_factory=dict, repr=False)
     late: tuple[Late, ...] = ()
     draws_evenly: bool = False
+    samples_evenly: bool = False
+    reflectance: float = 0.0
     method: str = "auto"
 
     @property
@@ -147,6 +163,8 @@ def _put_together(asked: Asked, allowed: float, made: list[Outcome]) -> Plan:
         changes,
         sum((outcome.late for outcome in made if not outcome.is_spectral), ()),
         any(outcome.draws_evenly for outcome in made),
+        any(outcome.samples_evenly for outcome in made),
+        max((outcome.reflectance for outcome in made), default=0.0),
         next((outcome.method for outcome in made if outcome.method != "auto"), "auto"),
     )
 

@@ -25,6 +25,8 @@ DESCRIPTIONS = {
     "colours": "Choose photometric or spectral transport",
     "wavelengths": "Draw wavelengths by what lamps give and the eye sees of it; exact",
     "estimator": "Read reflected light from cells of the surfaces where that is sooner",
+    "samples": "Give sensors as many samples as the asked error needs of each; exact",
+    "roulette": "End paths of sensors by chance only once they count little; exact",
 }
 """What each decision of `requirements.plan` does, by its name. Switches are made of this without loading what decides."""
 

@@ -8,6 +8,7 @@ from small_scenes import session_of
 
 from lumenray.engine.accuracy.estimate import Accumulator
 from lumenray.engine.accuracy.stopping import StopRule
+from lumenray.engine.accuracy.uneven_sums import UnevenSums
 from lumenray.engine.scene.light import AreaLight, Output, PointLight, Quantity
 
 pytestmark = pytest.mark.mitsuba
@@ -100,8 +101,10 @@ def test_samples_far_along_their_sequence_are_as_good_as_the_first():
         receivers = illuminance.Receivers.at_points([[0, 0, 0]], UP)
         job = illuminance._Job(compiled, receivers, GROUPS, 0, None, False)
         for index in (0, 1 << 30, (1 << 32) - batch):
-            sums = Accumulator(GROUPS, (1, 1))
-            sums.add(job.launch(0, 1, batch, index)[0], batch)
+            half, who = np.arange(2), np.zeros(2, dtype=int)
+            entries = illuminance._Entries(half, who, np.full(2, index), batch)
+            sums = UnevenSums(GROUPS, 1, 1)
+            sums.add(half, who, batch, *job.launch(entries))
             estimates.append(sums.estimate())
     means = np.array([e.mean.item() for e in estimates])
     errors = np.array([e.standard_error.item() for e in estimates])

@@ -67,6 +67,7 @@ def spectral_illuminance(
     kind: SensorKind = SensorKind.PLANAR,
     limit=None,
     known=None,
+    faded=None,
 ):
     """One-sample estimate of the illuminance at a receiver.
 
@@ -75,6 +76,7 @@ def spectral_illuminance(
     kind : SensorKind
     limit : UInt32 or None    Most reflections that light may have had.
     known : known_directions.Directions or None    Where the receiver is known to get light over bends from.
+    faded : Float or None    As of `path_loop.trace`.
 
     Returns
     -------
@@ -119,6 +121,7 @@ def spectral_illuminance(
         gathers,
         depth=1,
         limit=limit,
+        faded=faded,
     )
     return total + dr.select(gathers, incoming * (response / pdf), 0.0)
 

@@ -6,9 +6,19 @@ import drjit as dr
 import mitsuba as mi
 import numpy as np
 
-from ...accuracy.estimate import Accumulator, Estimate
+from ...accuracy.estimate import Estimate
 from ...accuracy.lost_samples import find_missing
-from ...accuracy.stopping import Clock, StopRule, excess_of
+from ...accuracy.need import (
+    WORTHWHILE,
+    foretell,
+    gain_of,
+    order_by_place,
+    share_out,
+    wanted_for_all,
+    wanted_for_each,
+)
+from ...accuracy.stopping import Clock, StopRule, excess_of, excesses_of
+from ...accuracy.uneven_sums import HALVES, UnevenSums
 from ...arrays import upload
 from ...errors import Cancelled, SceneError
 from ...photometry.spectra import observer
@@ -17,6 +27,7 @@ from ..compiled.compile import CompiledScene
 from . import gather
 from .light_learning import learn
 from .lost_samples import LostSamples
+from .roulette import find_share
 from .sampler import hash_words, random_stream, sobol_pair
 from .spectral_meter import CHANNELS, SpectralMeter
 from .wavelengths import make_sampler
@@ -41,8 +52,18 @@ the error falls, so that a forecast can be made soon."""
 LATER_SHARE, GROWTH = 4, 8
 """Least part of a whole pass that later ones make, and the part of all samples so far, both as their inverse."""
 
+LEAST_SHARE, FEWEST_OF_GROUP = 4, 4
+"""Part of a whole pass, as its inverse, and samples of a receiver in a group that a job makes at least, by any error."""
+
+SOON = 1.2
+"""Error, in those that are asked for, from which on passes are so short that the end is met closely. [-]"""
+
 FEWEST_SAMPLES = 1 << 14
 """Samples per receiver before the errors of single receivers are believed."""
+
+UNITS, PARTS = (64, 8, 1), 4
+"""Neighbouring samples of a group that a receiver gets together where each gets as many as it needs, and into how many of
+these a pass is parted for one receiver at least."""
 
 
 @dataclass(frozen=True)
@@ -138,6 +159,7 @@ def compute(
     known=None,
     clock: Clock | None = None,
     leaves=lambda brightness, clock: False,
+    by_need: bool = False,
 ):
     """Estimate the illuminance of every receiver by full paths until the rule is met.
 
@@ -145,9 +167,9 @@ def compute(
     ----------
     scene : CompiledScene
     receivers : Receivers
-    rule : StopRule    ``samples`` counts per receiver over all groups.
+    rule : StopRule    ``samples`` counts per receiver over all groups, on the mean.
     seed : int    Same seed, same result.
-    groups : int    Independent groups, see `Accumulator`.
+    groups : int    Independent groups, even, see `UnevenSums`.
     progress : callable or None    Called with a `Progress` after every launch.
     cancelled : callable    Asked before every launch.
     reflections : int or None    Most reflections that light may have had; None: no limit.
@@ -156,6 +178,8 @@ def compute(
     clock : Clock or None    Follows the job; None: one of its own.
     leaves : callable    Asked after every pass but the last, with the `Estimate` of the illuminance (n,) and the clock,
         whether the job is to be left to others.
+    by_need : bool    Whether receivers get as many samples as the error that is asked for needs of them; all get as many
+        otherwise, and where none is asked for.
 
     Returns
     -------
@@ -168,42 +192,108 @@ def compute(
     """
     total = len(receivers.start)
     channels, bright = count_channels(colour), 1 if colour else 0
-    sums, lost = Accumulator(groups, (total, channels)), np.zeros(total, dtype=np.int64)
+    sums = UnevenSums(groups, total, channels)
     if total == 0:
         return finish(sums.estimate(), colour)
     job = _Job(scene, receivers, groups, seed, reflections, colour, known)
     whole = _batch(total * groups, rule, groups)
+    least = min(max(whole // LEAST_SHARE, FEWEST_OF_GROUP), whole)
     clock = Clock(rule, STAGE) if clock is None else clock
+    order = order_by_place(receivers.positions, receivers.normals) if by_need else None
     error = float("inf")
     while True:
-        batch = _next_batch(sums.samples, whole, rule, groups)
-        clock.grain = batch * groups
-        per_launch = max(LANES // (groups * batch), 1)
-        new, tails = np.zeros((groups, total, channels)), np.zeros((2, total, 1))
-        for first in range(0, total, per_launch):
+        done = round(sums.samples)
+        batch = _next_batch(done, whole, rule, groups, error)
+        entries = None
+        if order is not None and done >= whole:
+            # Before, the scatter of single ones is not known.
+            entries = _by_need(sums, batch, rule, bright, order)
+        entries = _Entries.even(sums.counts, batch) if entries is None else entries
+        clock.grain = len(entries.who) * entries.samples * groups // sums.counts.size
+        for part, share in entries.launches(groups):
             if cancelled():
                 raise Cancelled("cancelled")
-            count = min(per_launch, total - first)
-            part = slice(first, first + count)
-            made = job.launch(first, count, batch, sums.samples)
-            new[:, part], tails[:, part, 0] = made[:2]
-            lost[part] += made[2]
+            sums.add(part.half, part.who, part.samples, *job.launch(part))
             if progress is not None:
-                share = (first + count) / total
-                progress(clock.progress(int((sums.samples + share * batch) * groups), error))
-        sums.add(new, batch, *tails)
+                progress(clock.progress(int((done + share * batch) * groups), error))
         made = sums.estimate()
         brightness = made.channel(bright)
+        if rule.samples is None:
+            # A number of samples gives the same values however passes part it.
+            job.learn(sums.variances(bright), brightness.mean)
         error = brightness.relative_error(receivers.weights)
-        samples = sums.samples * groups
-        excess = excess_of(rule, brightness) if samples >= FEWEST_SAMPLES else None
-        is_done = clock.is_done(samples, error, excess)
+        fewest = int(sums.counts.min()) * groups
+        excess = excess_of(rule, brightness) if fewest >= FEWEST_SAMPLES else None
+        is_done = clock.is_done(made.samples, error, excess)
         # So few samples may have seen nothing of what matters.
-        if is_done and sums.samples >= whole:
-            shares = lost / max(made.samples, 1)
-            return finish(widened_by_loss(made, shares, int(lost.sum())), colour)
+        if is_done and sums.samples >= least:
+            lost = int(sums.lost.sum())
+            made = finish(widened_by_loss(made, sums.lost_shares(), lost), colour)
+            own = sums.counts.sum(axis=0) * groups // HALVES
+            fewest, most = int(own.min()), int(own.max())
+            return made if fewest == most else replace(made, fewest_most=(fewest, most))
         if leaves(brightness, clock):
             return None
+
+
+def _by_need(
+    sums: UnevenSums, batch: int, rule: StopRule, bright: int, order: np.ndarray
+) -> "_Entries | None":
+    """What the next pass makes where receivers get what they need; None: as many for all."""
+    if sums.groups < 2 * HALVES:
+        return None
+    if rule.error is not None:
+        variances = foretell(sums.variances(bright), order)
+        if gain_of(variances) < WORTHWHILE:
+            return None
+        wanted = wanted_for_all(sums.counts, variances, batch)
+    else:
+        excesses = excesses_of(rule, sums.estimate().channel(bright))
+        # Before, no error of a single one is believed.
+        if excesses is None or int(sums.counts.min()) * sums.groups < FEWEST_SAMPLES:
+            return None
+        wanted = wanted_for_each(sums.counts, excesses, batch)
+    unit = next(each for each in UNITS if each * PARTS <= max(batch, PARTS))
+    return _Entries.of(sums.counts, share_out(wanted, sums.counts, unit), unit)
+
+
+@dataclass(frozen=True)
+class _Entries:
+    """Samples that are made together, row by row: neighbours of one receiver in all groups of a half.
+
+    Parameters
+    ----------
+    half, who, index : (m,) int array    Half, receiver, and number of the first sample.
+    samples : int    Of each row in a group, a power of two.
+    """
+
+    half: np.ndarray
+    who: np.ndarray
+    index: np.ndarray
+    samples: int
+
+    @classmethod
+    def of(cls, counts: np.ndarray, units: np.ndarray, samples: int) -> "_Entries":
+        """So many units of samples beyond those that there are. (2, n), (2, n)"""
+        flat = units.ravel()
+        row = np.repeat(np.arange(flat.size), flat)
+        nth = np.arange(len(row)) - np.repeat(np.cumsum(flat) - flat, flat)
+        half, who = np.divmod(row, units.shape[1])
+        return cls(half, who, counts.ravel()[row] + nth * samples, samples)
+
+    @classmethod
+    def even(cls, counts: np.ndarray, batch: int) -> "_Entries":
+        """A batch for all receivers."""
+        samples = min(batch, LARGEST_SUM)
+        return cls.of(counts, np.full(counts.shape, batch // samples), samples)
+
+    def launches(self, groups: int):
+        """Parts for one launch each, with the share that is made after it. [-]"""
+        many = max(LANES * HALVES // (groups * self.samples), 1)
+        for first in range(0, len(self.who), many):
+            rows = slice(first, first + many)
+            part = replace(self, half=self.half[rows], who=self.who[rows], index=self.index[rows])
+            yield part, (first + len(part.who)) / len(self.who)
 
 
 def widened_by_loss(made: Estimate, shares: np.ndarray, lost: int) -> Estimate:
@@ -236,8 +326,8 @@ def _batch(lanes_per_sample: int, rule: StopRule, groups: int) -> int:
     return 1 << int(np.floor(np.log2(max(limit, 1))))
 
 
-def _next_batch(samples: int, whole: int, rule: StopRule, groups: int) -> int:
-    """Samples per receiver and group in the pass after so many of them: a power of two.
+def _next_batch(samples: int, whole: int, rule: StopRule, groups: int, error: float) -> int:
+    """Samples per receiver and group in the pass after so many of them, with such an error: a power of two.
 
     Twice as many in all, up to a part of a whole pass; then as few that the end is met closely.
     """
@@ -246,6 +336,10 @@ def _next_batch(samples: int, whole: int, rule: StopRule, groups: int) -> int:
     batch = min(max(samples, first), most)
     if rule.samples is not None and rule.samples > samples * groups:
         batch = min(batch, -(-rule.samples // groups) - samples)
+    if rule.error is not None and rule.error < error < SOON * rule.error:
+        # What is missing, and a little more, or the end is missed by chance as often as not.
+        missing = 1.02 * samples * ((error / rule.error) ** 2 - 1.0)
+        batch = min(batch, 2 ** int(np.ceil(np.log2(max(missing, 1.0)))))
     return 1 << int(np.log2(batch))
 
 
@@ -388,23 +482,33 @@ class _Job:
         learn(scene, places, normals.astype(np.float32), gather.typical_wavelengths())
         self.places = Places(scene, receivers)
         self.limit = None if reflections is None else dr.opaque(mi.UInt32, int(reflections))
+        self.faded = find_share(scene.requirements.reflectance)
 
-    def launch(self, first: int, count: int, batch: int, index: int):
+    def learn(self, variances: np.ndarray, mean: np.ndarray) -> None:
+        """Let roulette begin when it pays, by how samples have scattered. (2, n), (n,)"""
+        square = float(mean.mean()) ** 2
+        if variances.any() and square > 0.0:
+            reflectance = self.scene.requirements.reflectance
+            self.faded = find_share(reflectance, float(variances.mean()) / square, self.faded)
+
+    def launch(self, entries: _Entries):
         """Run one kernel.
 
         Returns
         -------
-        (groups, count, channels), (2, count), (count,) array    As `Meter.sums`, the latter two over all groups.
+        (m, groups / 2, channels), (2, m), (m,) array    As `UnevenSums.add` takes them.
         """
-        groups, sampler = self.groups, self.meter.sampler
-        first = dr.opaque(mi.UInt32, int(first))
-        start_index = dr.opaque(mi.UInt32, int(index))
+        groups, sampler, count = self.groups // HALVES, self.meter.sampler, len(entries.who)
         seed = dr.opaque(mi.UInt32, int(self.seed) & 0xFFFFFFFF)
-        many = dr.opaque(mi.UInt32, int(batch))
-        lane = dr.arange(mi.UInt32, count * groups * batch)
-        sample = start_index + lane % many
-        group = (lane // many) % groups
-        who = first + lane // (many * groups)
+        many = dr.opaque(mi.UInt32, entries.samples)
+        # Of at least two rows, as tables of one would be another kernel.
+        columns = entries.half, entries.who, entries.index
+        table = [upload(mi.UInt32, np.append(each, 0)) for each in columns]
+        lane = dr.arange(mi.UInt32, count * groups * entries.samples)
+        row = lane // (many * groups)
+        half, who, index = (dr.gather(mi.UInt32, column, row) for column in table)
+        sample = index + lane % many
+        group = half * groups + (lane // many) % groups
         own_seed = hash_words(who, hash_words(group, seed))
         wavelengths = gather.draw_wavelengths(sampler, sample, own_seed)
         value = gather.spectral_illuminance(
@@ -418,12 +522,15 @@ class _Job:
             self.kind,
             self.limit,
             None if self._known is None else self._known.of(who),
+            dr.opaque(mi.Float, self.faded),
         )
-        made, squares, lost = self.meter.sums(value, wavelengths, lane, count * groups, batch)
-        squares = squares.reshape(2, count, groups)
-        squares = np.stack([squares[0].sum(axis=1), squares[1].max(axis=1)])
-        made = made.reshape(count, groups, -1).transpose(1, 0, 2)
-        return made, squares, lost.reshape(count, groups).sum(axis=1)
+        made, tails, lost = self.meter.sums(
+            value, wavelengths, lane, count * groups, entries.samples
+        )
+        tails = tails.reshape(2, count, groups)
+        tails = np.stack([tails[0].sum(axis=1), tails[1].max(axis=1)])
+        lost = lost.reshape(count, groups).sum(axis=1)
+        return made.reshape(count, groups, -1), tails, lost
 
 
 def _upload(scene: CompiledScene, receivers: Receivers) -> dict:

@@ -4,8 +4,8 @@ Emitters are counted by two strategies, next-event and hits of scattered rays, j
 exponent two (E. Veach, 1997, ch. 9). Surfaces that light passes straight through (panes, cut-outs, bodies of lights)
 are no vertices: both strategies see through them, so the joint weights stay valid. Plane mirrors are vertices, but a third
 strategy reaches lights by them (see `mirrors`), so a path behind them still has a reference, the image of its last vertex.
-Paths end by Russian roulette alone, whose survival probability is the path's throughput, at most `SURVIVAL`, so no depth
-is cut off and the estimate is unbiased.
+Paths end by Russian roulette alone, whose survival probability is the path's throughput, or what it is of a share from which
+on it is played, at most `SURVIVAL`, so no depth is cut off and the estimate is unbiased.
 
 There is one loop for all who trace from receivers and cameras. What a scene or a job does not need (mirrors, bright spots,
 light over bends, reading of cells) is left out when the kernel is made.
@@ -57,6 +57,7 @@ def trace(
     limit=None,
     reader=None,
     pixel_width=None,
+    faded=None,
 ):
     """Radiance that arrives along rays.
 
@@ -78,6 +79,7 @@ def trace(
     pixel_width : callable or None
         Takes places that the camera sees and returns the width of a pixel there [m], so that surfaces show what is about as
         fine; None: they show none of it.
+    faded : Float or None    Throughput below which roulette is played, see `roulette`; None: it is from the third on.
 
     Returns
     -------
@@ -105,7 +107,8 @@ def trace(
         reader.begin(path)
     if not scene.has_sparkle:
         pixel_width = None
-    path = PathLoop(scene, left_out, depth == 0, first, last, reader, pixel_width).run(path)
+    loop = PathLoop(scene, left_out, depth == 0, first, last, reader, pixel_width, faded)
+    path = loop.run(path)
     return path.radiance if reader is None else path.radiance + path.read
 
 
@@ -211,6 +214,7 @@ class PathLoop:
     last : UInt32 or None    Depth of the last vertex whose light counts.
     reader : CellReader or None    What ends paths at cells; None: nothing does.
     pixel_width : callable or None    As of `trace`.
+    faded : Float or None    As of `trace`.
     """
 
     def __init__(
@@ -222,8 +226,9 @@ class PathLoop:
         last=None,
         reader=None,
         pixel_width=None,
+        faded=None,
     ):
-        self._pixel_width = pixel_width
+        self._pixel_width, self._faded = pixel_width, faded
         self._scene, self._left_out, self._reader = scene, left_out, reader
         self._is_camera, self._first, self._last = is_camera, first, last
 
@@ -476,7 +481,8 @@ class PathLoop:
 
     def _play_roulette(self, path: Path, at: Vertex, turned) -> None:
         """End paths that bring little."""
-        survival = dr.minimum(dr.max(path.throughput) * dr.square(path.eta), SURVIVAL)
+        left = dr.max(path.throughput) * dr.square(path.eta)
+        survival = dr.minimum(left if self._faded is None else left / self._faded, SURVIVAL)
         tried = turned & ((path.depth >= ROULETTE_START) | at.is_readable)
         is_lit = dr.any(path.throughput != 0.0) & (path.steps < MAXIMUM_STEPS)
         goes_on = ~tried | (path.stream.next_float32() < survival)

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ...accuracy.estimate import Estimate
-from ...accuracy.tails import tail_factor
+from ...accuracy.uneven_sums import estimate_with_tails
 
 SPREAD = 64
 """Least samples of a kind: those of the one that has most over this. Light that few samples have missed may still be
@@ -67,19 +67,13 @@ class KindSums:
     def estimate(self) -> Estimate:
         """Light with its standard errors; those that stem from few samples are the larger, see `tails`."""
         whole = sum(self.means(kind) for kind in self._sums)
-        made = Estimate.from_groups(whole, round(self.samples))
         squares, largest, parts = 0.0, 0.0, 0
         for kind, tails in self._tails.items():
             weight = 1.0 / max(self.groups * self.counts[kind], 1) ** 2
             squares = squares + weight * tails[0]
             largest = np.maximum(largest, weight * tails[1])
             parts += self.groups * self.counts[kind]
-        factor = tail_factor(squares, largest, parts)
-        events = np.divide(
-            squares, largest, out=np.full(squares.shape, np.inf), where=largest > 0.0
-        )
-        error = made.standard_error * factor[:, None]
-        return Estimate(made.mean, error, made.samples, events[:, None])
+        return estimate_with_tails(whole, round(self.samples), squares, largest, parts)
 
     def lost_shares(self) -> np.ndarray:
         """Share of its samples that each receiver has lost of the kind of which it lost most. (n,) [-]"""

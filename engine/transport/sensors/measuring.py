@@ -176,6 +176,10 @@ class _Measuring:
         if made is None:
             self.clock.restart()
             made = self._by_paths(reflections)
+        if made.fewest_most is not None:
+            fewest, most = made.fewest_most
+            told = f"sensors have as many samples as they need: {fewest} to {most}, {made.samples} on the mean"
+            notes = (*notes, told)
         return made, choice.reason, notes
 
     def _by_paths(self, reflections, choice: Choice | None = None) -> Estimate | None:
@@ -195,6 +199,7 @@ class _Measuring:
             self.colour,
             self.known,
             self.clock,
+            by_need=not self.scene.requirements.samples_evenly,
             **leaves,
         )
 

@@ -5,8 +5,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from lumenray.engine.accuracy.estimate import Accumulator
 from lumenray.engine.accuracy.tails import tail_factor
+from lumenray.engine.accuracy.uneven_sums import UnevenSums
 from lumenray.engine.accuracy.witnesses import batch_error, compare
 
 BATCHES = 32
@@ -86,10 +86,10 @@ def test_errors_that_are_not_known_are_not_compared():
 
 def estimate_of(samples):
     """Estimate of a value from samples (groups, n)."""
-    sums = Accumulator(len(samples), (1, 1))
-    squares = (samples**2).sum()
-    parts = np.array([[squares]]), np.array([[(samples**2).max()]])
-    sums.add(samples.sum(axis=1)[:, None, None], samples.shape[1], *parts)
+    sums, halves = UnevenSums(len(samples), 1, 1), np.array(np.split(samples, 2))
+    tails = np.stack([(halves**2).sum(axis=(1, 2)), (halves**2).max(axis=(1, 2))])
+    none = np.zeros(2, dtype=np.int64)
+    sums.add(np.arange(2), none, samples.shape[1], halves.sum(axis=2)[..., None], tails, none)
     made = sums.estimate()
     return made.mean.item(), made.standard_error.item()
 
