@@ -2,7 +2,7 @@
 
 Values have two halves of independent groups. How much the samples of a half scatter is told by the other half and by both
 halves of its neighbours, never by itself, so that its mean does not depend on what it was before: a value that has seen no
-bright sample yet would get no more of them, and stay too low (theory 10.5).
+bright sample yet would get no more of them, and stay too low (theory 10.9).
 """
 
 import numpy as np

@@ -12,7 +12,7 @@ class UnevenSums:
     """Sums of samples in double precision, apart by value and independent group.
 
     The first and the last half of the groups have numbers of samples of their own, alike in all groups of a half: where each
-    half gets samples by what the other one tells, no mean depends on what it was itself (theory 10.5). All groups count
+    half gets samples by what the other one tells, no mean depends on what it was itself (theory 10.9). All groups count
     alike, so the mean is that of both halves' means.
 
     Parameters

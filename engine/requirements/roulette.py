@@ -15,11 +15,9 @@ from ..scene.scene import Scene
 from ..scene.texture import ImageTexture
 from .decision import Asked, Decision, Outcome
 from .facts import Facts
+from .fading import find_saving
 
 NAME = "roulette"
-
-SAVING = 0.4
-"""Share of the time to an error that is saved in a neutral office. [-]"""
 
 EARLY, LATE = "from the third vertex on", "once a path counts little"
 """Choices."""
@@ -36,10 +34,10 @@ def decide(facts: Facts, _asked: Asked, _allowance: float, switch: Switch) -> Ou
     if reflectance <= 0.0:
         return Outcome(Decision(NAME, EARLY, "nothing reflects light", switch=switch))
     reason = (
-        f"surfaces reflect {100.0 * reflectance:.2g} % on the mean, and samples tell how little a path may count before "
-        "roulette makes more noise than it saves time"
+        f"surfaces reflect {100.0 * reflectance:.2g} % on the mean, so paths of sensors end by chance only once they count "
+        "so little that this makes less noise than it saves time"
     )
-    made = Decision(NAME, LATE, reason, saving=SAVING, switch=switch)
+    made = Decision(NAME, LATE, reason, saving=find_saving(reflectance), switch=switch)
     return Outcome(made, reflectance=reflectance)
 
 

@@ -1,6 +1,6 @@
 """How many samples single sensors get: as many as the asked error needs of each, or all alike.
 
-Either way every mean is right; by need, those whose light scatters most get more of all that are made (theory 10.5).
+Either way every mean is right; by need, those whose light scatters most get more of all that are made (theory 10.9).
 """
 
 from ..scene.modelling import Switch
@@ -8,10 +8,6 @@ from .decision import Asked, Decision, Outcome
 from .facts import Facts
 
 NAME = "samples"
-
-SAVING = 0.5
-"""Share of the samples to an error that is saved where light falls on sensors as unevenly as beside a product between lamps,
-about. [-]"""
 
 ALIKE, BY_NEED = "as many for all", "as many as each needs"
 """Choices."""
@@ -25,7 +21,7 @@ def decide(_facts: Facts, asked: Asked, _allowance: float, switch: Switch) -> Ou
     if asked.error is None:
         return Outcome(Decision(NAME, ALIKE, "no error is asked for", switch=switch))
     reason = (
-        "sensors whose light scatters most get more, by what the other half of the samples tells, and none less than a "
-        "quarter of the mean"
+        "sensors whose light scatters most get more, where the first samples tell that this saves many; none gets less "
+        "than a quarter of the mean"
     )
-    return Outcome(Decision(NAME, BY_NEED, reason, saving=SAVING, switch=switch))
+    return Outcome(Decision(NAME, BY_NEED, reason, switch=switch))

@@ -22,12 +22,12 @@ from ...accuracy.uneven_sums import HALVES, UnevenSums
 from ...arrays import upload
 from ...errors import Cancelled, SceneError
 from ...photometry.spectra import observer
+from ...requirements.fading import find_share
 from ...scene.sensor import SensorColour, SensorKind
 from ..compiled.compile import CompiledScene
 from . import gather
 from .light_learning import learn
 from .lost_samples import LostSamples
-from .roulette import find_share
 from .sampler import hash_words, random_stream, sobol_pair
 from .spectral_meter import CHANNELS, SpectralMeter
 from .wavelengths import make_sampler

@@ -79,7 +79,7 @@ def trace(
     pixel_width : callable or None
         Takes places that the camera sees and returns the width of a pixel there [m], so that surfaces show what is about as
         fine; None: they show none of it.
-    faded : Float or None    Throughput below which roulette is played, see `roulette`; None: it is from the third on.
+    faded : Float or None    Throughput below which roulette is played, see `requirements.fading`; None: 1.
 
     Returns
     -------
