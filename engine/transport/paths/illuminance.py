@@ -52,8 +52,9 @@ the error falls, so that a forecast can be made soon."""
 LATER_SHARE, GROWTH = 4, 8
 """Least part of a whole pass that later ones make, and the part of all samples so far, both as their inverse."""
 
-LEAST_SHARE, FEWEST_OF_GROUP = 4, 4
-"""Part of a whole pass, as its inverse, and samples of a receiver in a group that a job makes at least, by any error."""
+MANY, LEAST_SHARE, FEWEST_OF_GROUP = 256, 4, 4
+"""Receivers from which on the error of the whole is known before a whole pass; the part of it, as its inverse, and samples of
+each in a group that are made at least then."""
 
 SOON = 1.2
 """Error, in those that are asked for, from which on passes are so short that the end is met closely. [-]"""
@@ -197,7 +198,7 @@ def compute(
         return finish(sums.estimate(), colour)
     job = _Job(scene, receivers, groups, seed, reflections, colour, known)
     whole = _batch(total * groups, rule, groups)
-    least = min(max(whole // LEAST_SHARE, FEWEST_OF_GROUP), whole)
+    least = whole if total < MANY else min(max(whole // LEAST_SHARE, FEWEST_OF_GROUP), whole)
     clock = Clock(rule, STAGE) if clock is None else clock
     order = order_by_place(receivers.positions, receivers.normals) if by_need else None
     error = float("inf")
