@@ -53,8 +53,8 @@ LATER_SHARE, GROWTH = 4, 8
 """Least part of a whole pass that later ones make, and the part of all samples so far, both as their inverse."""
 
 MANY, LEAST_SHARE, FEWEST_OF_GROUP = 256, 4, 4
-"""Receivers from which on the error of the whole is known before a whole pass; the part of it, as its inverse, and samples of
-each in a group that are made at least then."""
+"""Receivers from which on the error of the whole is known before a whole pass; the part of it, as its inverse, and samples
+of each in a group that are made at least then."""
 
 SOON = 1.2
 """Error, in those that are asked for, from which on passes are so short that the end is met closely. [-]"""
