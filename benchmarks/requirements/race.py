@@ -131,7 +131,7 @@ def is_hidden(row: dict) -> bool:
 def _left_open(scene: NeedScene) -> float:
     """What the rays of a file leave open of its light: near and far it is found by other ones of them. [-]"""
     sets = (getattr(item, "rays", None) for item in scene.items)
-    return max((each.information_error for each in sets if each is not None), default=0.0)
+    return max((float(each.information_error) for each in sets if each is not None), default=0.0)
 
 
 def _is_reckoned(made) -> bool:

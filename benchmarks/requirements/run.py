@@ -1,5 +1,6 @@
 """Measures what modelling only what a scene needs saves, and writes the document."""
 
+import math
 import time
 from pathlib import Path
 
@@ -121,7 +122,7 @@ def _is_over(row: dict) -> bool:
     allowed = race.ERROR
     if row.get("is_reckoned"):
         allowed = max(allowed, float(np.sqrt(np.mean(np.square(row["stated"])))))
-    return error - SURE * doubt > np.hypot(allowed, row.get("left_open", 0.0))
+    return error - SURE * doubt > math.hypot(allowed, row.get("left_open", 0.0))
 
 
 def check_bars(result: dict) -> list[Bar]:
