@@ -190,7 +190,7 @@ def run_list(options) -> int:
     for line in (*parts, *verdict):
         say(line)
     say(
-        f"{len(sensors)} sensors, {made.provenance.samples} samples each, written to {options.output}"
+        f"{len(sensors)} sensors, {made.provenance.samples} samples a sensor, written to {options.output}"
     )
     return assumptions.exit_code(report, options.accept_missing, shortfall)
 

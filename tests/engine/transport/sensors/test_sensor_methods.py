@@ -119,19 +119,26 @@ def test_an_error_that_would_be_held_for_the_most_part_is_left_to_paths():
 
 
 @pytest.mark.slow
-def test_what_cells_are_off_by_in_a_cabin_is_held():
+def test_what_cells_are_off_by_in_a_cabin_is_held_or_refused(monkeypatch):
     """Lamps in coves: light that few paths find, and cells whose light is steep."""
+    # So few sensors would go by full paths.
+    monkeypatch.setattr(method, "FEWEST_PATHS", 1 << 21)
     line = np.linspace(0.6, 11.4, 24), np.linspace(-1.2, 1.2, 14)
     places = np.stack([*np.meshgrid(*line), np.full((14, 24), 0.62)], axis=-1).reshape(-1, 3)
     up = np.tile([0.0, 0.0, 1.0], (len(places), 1))
     session = session_of(*build_cabin())
     cells = session.measure(places, up, StopRule(error=0.012), 1, witness=False)
-    assert "read from cells" in cells.method
+    is_refused = "cells would be off" in cells.method or "cells may be off" in cells.method
+    assert is_refused or "read from cells" in cells.method
     paths = session.measure(places, up, StopRule(samples=1 << 15), 2, method="paths", witness=False)
     size = paths.illuminance.mean()
     own = np.sqrt((paths.standard_error**2).sum()) / len(places) / size
+    if is_refused:
+        held = np.sqrt((cells.standard_error**2).sum()) / len(places) / size
+    else:
+        held = held_by(cells)
     apart = cells.illuminance.mean() / size - 1.0
-    assert abs(apart) < 2.0 * np.hypot(held_by(cells), own)
+    assert abs(apart) < (3.5 if is_refused else 2.0) * np.hypot(held, own)
     true = np.sqrt(((cells.illuminance - paths.illuminance) ** 2).mean()) / size
     stated = np.sqrt((cells.standard_error**2 + paths.standard_error**2).mean()) / size
     assert true < 1.25 * stated
@@ -158,12 +165,13 @@ def test_a_method_that_is_none_is_refused():
 @pytest.mark.slow
 def test_many_sensors_are_read_from_cells_and_exact_ones_by_paths(monkeypatch):
     """As soon as they need so many paths; in so plain a room these are few."""
-    monkeypatch.setattr(method, "FEWEST_PATHS", 1 << 17)
+    monkeypatch.setattr(method, "FEWEST_PATHS", 1 << 16)
+    monkeypatch.setattr(method, "BELIEVED", 1 << 8)
     places, normals = places_in_room(200)
     session = session_of(*ROOMS["matt"])
-    loose = session.measure(places, normals, StopRule(error=0.008), 1)
+    loose = session.measure(places, normals, StopRule(error=0.0055), 1)
     assert "read from cells" in loose.method
-    assert np.sqrt((loose.standard_error**2).mean()) <= 0.008 * loose.illuminance.mean()
+    assert np.sqrt((loose.standard_error**2).mean()) <= 0.0055 * loose.illuminance.mean()
     exact = session.measure(places[:40], normals[:40], StopRule(samples=1 << 17), 1)
     assert "more than cells can promise" in exact.method
     errors = np.hypot(loose.standard_error[:40], exact.standard_error)
