@@ -84,7 +84,7 @@ def test_furniture_that_is_sunk_into_the_floor_has_no_dark_rim():
     inner = replace(inner, vertices=inner.vertices + np.array([-0.98, -0.98, -0.005]))
     rims = {}
     for looks in (True, False):
-        block, found, low = measured(FLOOR, [inner, ROOM], samples=1024, looks=looks)
+        block, found, low = measured(FLOOR, [inner, ROOM], samples=1 << 13, looks=looks)
         column = np.abs(low[:, 0] - 1.0) < 1e-6
         column &= np.abs(low[:, 1] - 0.5) < 0.3
         beyond = np.abs(low[:, 0] - 1.125) < 1e-6
