@@ -96,7 +96,6 @@ def race(scene: NeedScene, seeds: int, longest: float = LONGEST) -> dict:
         "squares": squares,
         "reference_square": beside,
         "reference_spread": float(apart.std() / np.sqrt(len(truth))),
-        "left_open": _left_open(scene) * float(np.sqrt(np.mean(truth**2))) / size,
         "stated": [relative_error(each.standard_error, each.illuminance) for each, _ in made],
         "decisions": list(first.provenance.decisions),
     }
@@ -126,12 +125,6 @@ def true_error(row: dict) -> tuple[float, float]:
 def is_hidden(row: dict) -> bool:
     """Whether runs differ from the reference by less than that may be off itself: all of it may be the reference's."""
     return float(np.mean(row["squares"])) <= row["reference_square"]
-
-
-def _left_open(scene: NeedScene) -> float:
-    """What the rays of a file leave open of its light: near and far it is found by other ones of them. [-]"""
-    sets = (getattr(item, "rays", None) for item in scene.items)
-    return max((float(each.information_error) for each in sets if each is not None), default=0.0)
 
 
 def _is_reckoned(made) -> bool:

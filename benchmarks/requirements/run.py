@@ -1,6 +1,5 @@
 """Measures what modelling only what a scene needs saves, and writes the document."""
 
-import math
 import time
 from pathlib import Path
 
@@ -42,8 +41,7 @@ and the scene compiled, without the second witness, which costs both the same; o
 more than {longest:g} s and automatic ones of more than {own:g} s, marked by \\*, they are reckoned from the error that was
 reached, and the latter, {few} in place of {seeds}, are judged by the error that they state. *True error*: root mean
 square of {seeds} runs over the sensors, over their mean, against the runs in full; *at most* where these may be off by more
-themselves. Where light is that of a ray file it holds what the file's rays leave open as well, since near and far the light
-is found by other ones of them: as the file's remarks state it (information error), {left_open:.2g} % of the mean here.
+themselves.
 {cpu}, {cores} cores.
 
 """
@@ -122,7 +120,7 @@ def _is_over(row: dict) -> bool:
     allowed = race.ERROR
     if row.get("is_reckoned"):
         allowed = max(allowed, float(np.sqrt(np.mean(np.square(row["stated"])))))
-    return error - SURE * doubt > math.hypot(allowed, row.get("left_open", 0.0))
+    return error - SURE * doubt > allowed
 
 
 def check_bars(result: dict) -> list[Bar]:
@@ -185,8 +183,6 @@ def write_results(result: dict, folder: Path, path: Path | None) -> None:
         own=race.OWN_LONGEST,
         few=race.FEW_SEEDS,
         seeds=result["seeds"],
-        left_open=100.0
-        * max((row.get("left_open", 0.0) for row in result["scenes"].values()), default=0.0),
         cpu=machine["cpu"],
         cores=machine["cores"],
     )

@@ -108,15 +108,6 @@ def test_results_are_judged_by_the_demands():
     ]
 
 
-def test_what_the_rays_of_a_file_leave_open_is_no_fault_of_a_run():
-    from lumenray.benchmarks.requirements import run
-
-    rays = row(1.0, 8.0, [0.02, 0.021, 0.02]) | {"left_open": 0.02}
-    assert run._sum_up({"scenes": {"a": rays}})["over_asked"] == 0
-    far = row(1.0, 8.0, [0.03, 0.031, 0.03]) | {"left_open": 0.02}
-    assert run._sum_up({"scenes": {"a": far}})["over_asked"] == 1
-
-
 def test_enabling_is_told_by_its_median_apart_from_the_first_time(tmp_path, monkeypatch):
     from lumenray.benchmarks.requirements import starts
 

@@ -67,7 +67,7 @@ def test_who_scatters_gets_more_and_all_are_right():
 
 @pytest.mark.mitsuba
 def test_rare_bright_samples_that_may_fall_anywhere_are_no_reason():
-    """A small lamp over a polished floor of none: what scatters most by chance would get the samples, and gain nothing."""
+    """A small lamp just over the floor: what scatters most by chance would get the samples, and gain nothing."""
     lamp = PointLight(
         "l", "l", Output(Quantity.LUMINOUS_FLUX, 1000.0), np.array([2.0, 2.0, 0.02]), 0.001
     )
