@@ -7,7 +7,7 @@ import numpy as np
 from ...accuracy.estimate import Estimate
 from ...accuracy.stopping import StopRule
 from ...accuracy.tails import TRUSTED
-from ...accuracy.witnesses import Verdict, batch_error, compare
+from ...accuracy.witnesses import OWN_ERRORS, Verdict, batch_error, compare
 from ...scene.sensor import SensorKind
 from ..paths.illuminance import compute
 from .pilot import BATCHES, LOOKS, PATHS, Witness, WitnessReport
@@ -95,12 +95,14 @@ def hear_sensors(
             break
     report, made, verdict = look.report, look.gathered, look.verdict
     lacks = np.bincount(squares.sensor, verdict.floor * verdict.differs, len(floors))
-    near = _find_nearest(scene, positions, normals, np.unique(squares.sensor))
-    each = np.maximum(lacks[near], abs(verdict.rest) * sheets.faces)
+    telling = _find_telling(made, report, squares.sensor)
+    each = lacks[_find_nearest(scene, positions, normals, telling)]
+    each = np.maximum(each, abs(verdict.rest) * sheets.faces)
     floors = np.maximum(floors, each * sheets.response)
     lucky = np.zeros(len(floors), dtype=bool)
     if number > 1:
         # What stood in doubt is not known better than more samples about it know it.
+        near = _find_nearest(scene, positions, normals, np.unique(squares.sensor))
         known = _rare_errors(made, found, squares.sensor)[near] * sheets.response
         lucky = known > np.maximum(UNSUPPORTED * found.standard_error, floors)
         floors = np.where(lucky, known, floors)
@@ -184,6 +186,18 @@ def _rare_errors(made: Estimate, found: Estimate, sensor: np.ndarray) -> np.ndar
 
 def _mean_error(errors: np.ndarray) -> float:
     return float(np.sqrt((errors**2).sum()) / len(errors))
+
+
+def _find_telling(made: Estimate, report: WitnessReport, sensor: np.ndarray) -> np.ndarray:
+    """Sensors whose squares tell something of the places beside them. (m,) int
+
+    Where gathering scatters by more than light paths bring, as after one lucky find of a small lamp in a bulb, nothing
+    differs, whatever is missing. If all are like that, all of them stand for themselves.
+    """
+    looked, own = np.unique(sensor, return_inverse=True)
+    errors = np.sqrt(np.bincount(own, made.standard_error**2))
+    telling = OWN_ERRORS * errors <= np.bincount(own, report.sheets)
+    return looked[telling] if telling.any() else looked
 
 
 def _find_nearest(scene, positions, normals, chosen: np.ndarray) -> np.ndarray:
