@@ -443,7 +443,7 @@ class Server:
         is_last = isinstance(error, BackendError)
         self._tell("error", told, number=order.number, is_last=is_last)
         if faults.is_of_memory(error):
-            _free_memory()
+            _free_memory(error)
 
     def _tell(self, kind: str, told: tuple[str, str, dict], **more) -> None:
         name, text, attributes = told
@@ -454,8 +454,13 @@ class Server:
         self._channel.send({"kind": "stack", "numbers": [each.number for each in self._stack]})
 
 
-def _free_memory() -> None:
-    """Give back what libraries keep for later, so that the next job, or another program, finds room."""
+def _free_memory(error: BaseException | None = None) -> None:
+    """Give back what a fault and libraries keep, so that the next job, or another program, finds room."""
+    # What the functions that it came through were at work on lives as long as it does.
+    cause = error
+    while cause is not None:
+        traceback.clear_frames(cause.__traceback__)
+        cause = cause.__cause__ or cause.__context__
     gc.collect()
     if "drjit" in sys.modules:
         import drjit
