@@ -31,7 +31,7 @@ from .order import BakeOrder, BakeResult, Departure, check_order
 from .pages import make_pages
 from .passes import Passes
 from .saver import Saver
-from .simplified import hold_simplifications
+from .simplified import hold_file_errors, hold_simplifications
 from .surfaces import Ground, arrange_charts, find_charts, find_lumels, find_surfaces
 from .testimony import HIDDEN, hear, widen
 
@@ -194,6 +194,7 @@ def _find_light(passes: Passes, goal: float | None) -> _Light:
         estimates, floors = hold_lost_light(states, estimates, means, floors)
         spent = compiled.requirements.spent
         estimates, floors = hold_simplifications(estimates, means, floors, spent)
+        estimates, floors = hold_file_errors(estimates, means, floors, ground.table, compiled)
         for name, state in layers:
             for told in tell_lost(state.losses.parts()):
                 notes.depart(name or "all maps", told, HIDDEN)

@@ -2,9 +2,8 @@
 
 A file holds as many rays as it holds; sent out again and again they give spots instead of light. So a ray is picked by its
 power, and its position and direction fluctuate by as much as those of its neighbours differ (see `neighbourhoods`), which
-keeps the total flux. What the fluctuation blurs at large is put right by a weight that depends on the direction, so that
-mean and second moments of all directions are those of the file's rays. Then the ray is put where it leaves the source's
-body (see `body`).
+keeps the total flux. What the fluctuation blurs at large is put right by a weight that depends on the direction (see
+`direction_weight`). Then the ray is put where it leaves the source's body (see `body`).
 
 Of a source that is the same all around an axis, every ray stands for a ring of them (see `symmetry`).
 
@@ -17,8 +16,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ..errors import Cancelled, FileFormatError
+from ..scene.ray_emission import DirectionWeight
 from .beam_cells import BeamCells
 from .body import Hull, Plane, Sphere, find_body
+from .direction_weight import fit_weight
 from .neighbourhoods import GROUP, Spread, order_rays, spread_rays
 from .reader import read_rays
 from .record import RayFile, Rays
@@ -41,9 +42,6 @@ MADE = 1 << 17
 
 WEIGHED = 1 << 20
 """Rays that are made, at most, to find the weight by direction of a set: their chance must not show in large sets."""
-
-LEAST_WEIGHT, LARGEST_WEIGHT = 0.25, 4.0
-"""Bounds of the weight by direction. [-]"""
 
 BANDS, SECTORS = 12, 16
 """Cells of the spheres around the source where halves are compared, all with as much light."""
@@ -84,7 +82,7 @@ class RayCloud:
     body : Plane, Sphere or Hull
     axis : Axis or None    About which every ray stands for a ring of them.
     size : float    Largest extent of the starting points. [m]
-    moments : (9,) float64 array    Coefficients of the weight by direction, see `direction_basis`.
+    weight : DirectionWeight
     flux : float    Of all, in the file's quantity. [lm or W]
     share : float    Of rays that are neighbours of one. [-]
     information_error : float    Relative error of the light in a cell with a 192nd of it that comes from the file's having
@@ -98,7 +96,7 @@ class RayCloud:
     body: Plane | Sphere | Hull
     axis: Axis | None
     size: float
-    moments: np.ndarray
+    weight: DirectionWeight
     flux: float
     share: float
     information_error: float
@@ -115,6 +113,15 @@ class RayCloud:
 
     def draw(self, count: int, rng: np.random.Generator) -> "Drawn":
         """Generate rays."""
+        picked, position, direction = self.generate(count, rng)
+        weight = self.weight.of(direction)
+        # The mean weight is 1 but for chance, which need not spoil the flux.
+        weight *= count / weight.sum()
+        colour = None if self.colour is None else self.colour[picked]
+        return Drawn(position, direction, weight * (self.flux / count), colour)
+
+    def generate(self, count: int, rng: np.random.Generator):
+        """Rays without their weights: numbers of the set's own (n,), (n, 3) [m], (n, 3) unit vectors."""
         place = rng.random(count) * len(self)
         number = np.minimum(place.astype(np.int64), len(self) - 1)
         picked = np.where(place - number < self.threshold[number], number, self.other[number])
@@ -123,12 +130,7 @@ class RayCloud:
         if self.axis is not None:
             angle = 2.0 * np.pi * rng.random(count)
             position, direction = self.axis.turn(position, direction, angle)
-        position, direction = self.body.place(position, direction)
-        weight = direction_weight(direction, self.moments)
-        # The mean weight is 1 but for chance, which need not spoil the flux.
-        weight *= count / weight.sum()
-        colour = None if self.colour is None else self.colour[picked]
-        return Drawn(position, direction, weight * (self.flux / count), colour)
+        return picked, *self.body.place(position, direction)
 
 
 @dataclass(frozen=True, eq=False)
@@ -176,6 +178,7 @@ def make_cloud(
     seed: int = 0,
     progress: Callable[[float], None] | None = None,
     cancelled: Callable[[], bool] = lambda: False,
+    most: int | None = None,
 ) -> RayCloud:
     """Prepare rays for generation.
 
@@ -187,6 +190,7 @@ def make_cloud(
     seed : int
     progress : callable or None    Told the share that is done.
     cancelled : callable
+    most : int or None    Rays of the cloud: of more, each stands for some that are next to it, see `thin_rays`.
 
     Raises
     ------
@@ -206,6 +210,9 @@ def make_cloud(
     rays = _take(rays, order_rays(rays.position, rays.direction, size))
     if cancelled():
         raise Cancelled("cancelled")
+    whole = rays
+    if most is not None and len(rays) > most:
+        rays = thin_rays(rays, most, seed)
     weighed = int(np.clip(4 * len(rays), MADE, WEIGHED))
     return _prepare(
         rays,
@@ -218,7 +225,29 @@ def make_cloud(
         lambda s: told(0.3 + 0.7 * s),
         cancelled,
         weighed,
+        whole,
     )
+
+
+def thin_rays(rays: Rays, most: int, seed: int = 0) -> Rays:
+    """Let each of fewer rays stand for some that are next to each other: one of them by chance, with the light of all.
+
+    What is made of them fluctuates by as much as many more rays than these differ, so next to nothing is lost, whereas a
+    selection by chance from all would have the error of a file of so few rays.
+
+    Parameters
+    ----------
+    rays : Rays    In the order of `order_rays`.
+    most : int
+    """
+    starts = np.arange(0, len(rays), -(-len(rays) // most))
+    weight = rays.weight.astype(np.float64)
+    total = np.add.reduceat(weight, starts)
+    steps = np.cumsum(weight)
+    drawn = np.random.default_rng([seed & 0xFFFFFFFF, 8]).random(len(starts))
+    chosen = np.searchsorted(steps, steps[starts] - weight[starts] + drawn * total, side="right")
+    chosen = np.clip(chosen, starts, np.append(starts[1:], len(rays)) - 1)
+    return replace(_take(rays, chosen), weight=total.astype(np.float32))
 
 
 def extent(position: np.ndarray) -> float:
@@ -233,17 +262,6 @@ def scatter(spread: Spread, picked: np.ndarray, noise: np.ndarray):
     direction = spread.direction[picked].astype(np.float64) + moved[:, 3:]
     length = np.linalg.norm(direction, axis=1, keepdims=True)
     return position, direction / np.maximum(length, 1e-12)
-
-
-def direction_basis(direction: np.ndarray) -> np.ndarray:
-    """Functions that span all spherical harmonics up to the second degree. (n, 3) -> (n, 9)"""
-    x, y, z = direction.T
-    return np.stack([x * x, y * y, z * z, x * y, y * z, z * x, x, y, z], axis=1)
-
-
-def direction_weight(direction: np.ndarray, moments: np.ndarray) -> np.ndarray:
-    """Weight by direction. (n, 3) -> (n,) [-]"""
-    return np.clip(1.0 + direction_basis(direction) @ moments, LEAST_WEIGHT, LARGEST_WEIGHT)
 
 
 def choose_share(
@@ -342,8 +360,12 @@ def _prepare(
     progress: Callable[[float], None] | None = None,
     cancelled: Callable[[], bool] = lambda: False,
     weighed: int = 0,
+    whole: Rays | None = None,
 ) -> RayCloud:
-    """Make the cloud of rays that stand in order. ``weighed``: rays that find its weight by direction, `MADE` if 0."""
+    """Make the cloud of rays that stand in order.
+
+    ``weighed``: rays that find its weight by direction, `MADE` if 0; ``whole``: all rays, if ``rays`` are some of them.
+    """
     size = shape.size
     spread = spread_rays(rays.position, rays.direction, size, share, seed, progress, cancelled)
     spread = _override(spread, rays, fluctuation)
@@ -357,12 +379,15 @@ def _prepare(
         shape.body,
         shape.axis,
         size,
-        np.zeros(9),
+        DirectionWeight.even(),
         flux,
         share,
         error,
     )
-    return replace(cloud, moments=_match_moments(cloud, rays, seed, weighed or MADE))
+    made = cloud.generate(weighed or MADE, np.random.default_rng(seed))[2]
+    asked = whole or rays
+    axis = shape.body.normal if isinstance(shape.body, Plane) else None
+    return replace(cloud, weight=fit_weight(made, asked.direction, asked.weight, axis))
 
 
 def _override(spread: Spread, rays: Rays, fluctuation: Fluctuation) -> Spread:
@@ -408,14 +433,3 @@ def alias_table(weight: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     kept[donors] = 1.0
     kept[lacks] = 1.0
     return kept.astype(np.float32), other
-
-
-def _match_moments(cloud: RayCloud, rays: Rays, seed: int, count: int) -> np.ndarray:
-    """Coefficients of the weight by direction that gives all directions the moments that those of the rays have."""
-    basis = direction_basis(cloud.draw(count, np.random.default_rng(seed)).direction)
-    weight = rays.weight.astype(np.float64)
-    wanted = weight @ direction_basis(rays.direction.astype(np.float64)) / weight.sum()
-    values, vectors = np.linalg.eigh(basis.T @ basis / len(basis))
-    kept = values > 1e-4 * values[-1]
-    vectors, values = vectors[:, kept], values[kept]
-    return vectors @ ((vectors.T @ (wanted - basis.mean(axis=0))) / values)

@@ -17,13 +17,22 @@ from ..reading.content import read_bytes
 from ..reading.remarks import Remark
 from ..reading.whole_file import write_whole
 from ..scene.distribution import IntensityDistribution
-from ..scene.ray_emission import GROUP, HULL, PLANE, SPHERE, RayBody, RayEmission
+from ..scene.ray_emission import (
+    BANDS,
+    GROUP,
+    HULL,
+    PLANE,
+    SPHERE,
+    DirectionWeight,
+    RayBody,
+    RayEmission,
+)
 from .emission import HELD, RayLight, Wish, prepare_light
 
 SUFFIX = ".prepared"
 """Of the index, after the whole name of the ray file."""
 
-VERSION = 2
+VERSION = 3
 """Of what is prepared and how it is written; another one is out of date."""
 
 LARGEST = 1 << 26
@@ -39,11 +48,12 @@ _EMISSION = (
     "other",
     "wavelength",
     "axis",
-    "moments",
     "half",
 )
+_WEIGHT = {"band_axis": "axis", "bands": "bands", "moments": "moments"}
+"""Arrays of the weight by direction."""
 _FAR = ("far_distances", "far_errors")
-_NUMBERS = ("mean_weight", "size", "near", "information_error")
+_NUMBERS = ("size", "near", "information_error")
 
 
 def index_path(path: str | Path) -> Path:
@@ -62,6 +72,7 @@ def save_light(path: str | Path, light: RayLight, wish: Wish, key: list | None =
     target = index_path(path)
     emission, body = light.emission, light.emission.body
     arrays = {name: getattr(emission, name) for name in (*_EMISSION, *_FAR)}
+    arrays |= {name: getattr(emission.weight, own) for name, own in _WEIGHT.items()}
     arrays |= {"slabs": body.slabs, "body_centre": body.centre, "body_normal": body.normal}
     arrays |= {
         name: getattr(light.distribution, name) for name in ("azimuth", "polar", "intensity")
@@ -72,6 +83,7 @@ def save_light(path: str | Path, light: RayLight, wish: Wish, key: list | None =
     facts = {
         "key": key or state_of(path, wish),
         "numbers": {name: float(getattr(emission, name)) for name in _NUMBERS},
+        "weight": [float(emission.weight.middle), float(emission.weight.mean)],
         "body": [body.kind, body.is_one_sided, float(body.radius), light.body],
         "luminous_flux": light.luminous_flux,
         "rays": light.rays,
@@ -174,11 +186,14 @@ def _light_of(facts: dict, arrays: dict[str, np.ndarray]) -> RayLight:
         arrays["slabs"],
     )
     numbers = {name: _number(facts["numbers"][name]) for name in _NUMBERS}
-    if not min(numbers["size"], numbers["mean_weight"]) > 0.0:
+    middle, mean = (_number(value) for value in facts["weight"])
+    if not min(numbers["size"], middle, mean) > 0.0:
         raise ValueError("a source without a size")
-    emission = RayEmission(
-        **{name: arrays.get(name) for name in (*_EMISSION, *_FAR)}, body=body, **numbers
+    weight = DirectionWeight(
+        **{own: arrays[name] for name, own in _WEIGHT.items()}, middle=middle, mean=mean
     )
+    columns = {name: arrays.get(name) for name in (*_EMISSION, *_FAR)}
+    emission = RayEmission(**columns, body=body, weight=weight, **numbers)
     azimuth, polar, intensity = (arrays[name] for name in ("azimuth", "polar", "intensity"))
     if intensity.shape != (len(azimuth), len(polar)) or (intensity < 0.0).any():
         raise ValueError("the intensities do not fit their angles")
@@ -201,7 +216,8 @@ def _check(arrays: dict[str, np.ndarray], count: int) -> None:
     groups = -(-count // GROUP)
     shapes = {
         "position": (count, 3), "direction": (count, 3), "factor": (groups, 6, 6), "threshold": (count,),
-        "other": (count,), "wavelength": (count,), "axis": (2, 3), "moments": (9,), "centre": (3,), "half": (3,),
+        "other": (count,), "wavelength": (count,), "axis": (2, 3), "band_axis": (3,), "bands": (BANDS + 1,),
+        "moments": (9,), "centre": (3,), "half": (3,),
         "body_centre": (3,), "body_normal": (3,),
     }  # fmt: skip
     optional = {"wavelength", "axis"}

@@ -52,8 +52,9 @@ def find_axis(rays: Rays, body: Plane | Sphere | Hull, is_sure: bool = False) ->
     is_sure : bool    Whether it is known that there is one: then the one that fits best is returned, whatever the body.
     """
     if len(rays) > LOOKED_AT:
-        every = np.linspace(0, len(rays) - 1, LOOKED_AT).astype(np.int64)
-        rays = Rays(rays.position[every], rays.direction[every], rays.weight[every])
+        # By chance: every second point of a low-discrepancy sequence lies on one side of the axis.
+        some = np.random.default_rng(0).choice(len(rays), LOOKED_AT, replace=False)
+        rays = Rays(rays.position[some], rays.direction[some], rays.weight[some])
     weight = rays.weight.astype(np.float64)
     weight /= weight.sum()
     centre = body.centre if isinstance(body, Sphere) else weight @ rays.position.astype(np.float64)

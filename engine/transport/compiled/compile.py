@@ -521,12 +521,12 @@ def _tell_few_rays(scene: Scene) -> list[str]:
     known: dict[float, list[str]] = {}
     for light in scene.lights.values():
         rays = getattr(light, "rays", None)
-        # Of rays that hardly fluctuate none is missing between others.
-        if rays is not None and rays.information_error > FEW_RAYS and not rays.is_narrow:
-            known.setdefault(rays.information_error, []).append(light.name)
+        if rays is not None and rays.open_error > FEW_RAYS:
+            known.setdefault(rays.open_error, []).append(light.name)
     return [
         f"'{names[0]}'{f' and {len(names) - 1} more' if len(names) > 1 else ''}: the ray file has so few rays that light in "
-        f"a cell with a 192nd of it is known within {100.0 * error:.2g} %, which no stated error holds"
+        f"a cell with a 192nd of it is known within {100.0 * error:.2g} %, which errors of sensors and lux maps hold, but "
+        "none of pictures"
         for error, names in known.items()
     ]
 

@@ -18,10 +18,10 @@ import mitsuba as mi
 import numpy as np
 
 from ...arrays import upload
-from ...raysets.cloud import LARGEST_WEIGHT, LEAST_WEIGHT
 from ...scene.nearness import triangle_distance
 from ...scene.ray_emission import GROUP, HULL, PLANE, SPHERE
 from ...scene.scene import content_digest
+from .ray_weight import RayWeight
 
 CANDIDATES = 8
 """Starts that are compared at a next event, a power of two. They are spread evenly over the rays, which stand in an order
@@ -36,7 +36,7 @@ SPREAD, NARROW_TURN = 0.5, 1e-3
 LOWER = 21
 """Entries of a triangular factor that are not zero, row by row."""
 
-NUMBERS, VALUES = 8, 30
+NUMBERS, VALUES = 8, 13
 """Columns of the tables of ray sets: where their rays, groups and slabs begin, how many rays and slabs, kind of the body,
 whether it is one-sided and whether there is an axis; and vectors and numbers, see `_values`."""
 
@@ -125,6 +125,7 @@ class NearRays:
             line[6:] = rays.body.is_one_sided, rays.axis is not None
         self._numbers = upload(mi.UInt32, numbers)
         self._values = upload(mi.Float, [_values(rays) for rays in emissions])
+        self._weight = RayWeight([rays.weight for rays in emissions])
         self._slabs = upload(mi.Float, np.concatenate([*slabs, np.zeros((1, 5))]))
         places = np.tril_indices(6)
         joined = {
@@ -237,11 +238,11 @@ class NearRays:
             position = through + _turned(position - through, axis, angle)
         centre, normal = values(0), values(3)
         radius = values(6, 1)[0]
-        moments, mean_weight = values(13, 9), values(22, 1)[0]
+        weigh = self._weight.of_set(number, active)
 
         def density(direction):
             back = _turned(direction, axis, -angle) if self._has_axis else direction
-            return _weigh(direction, moments) / mean_weight * over * _density(back, mean, own)
+            return weigh(direction) * over * _density(back, mean, own)
 
         start, value = mi.Vector3f(0.0), mi.Float(0.0)
         if self._kinds & {PLANE_KIND, HULL_KIND}:
@@ -320,12 +321,11 @@ class NearRays:
 
 
 def _values(rays) -> np.ndarray:
-    """Line of the table: the body's centre, normal and radius, a point and direction of the axis, weights by direction."""
+    """Line of the table: the body's centre, normal and radius, a point and direction of the axis."""
     line = np.zeros(VALUES)
     line[0:3], line[3:6], line[6] = rays.body.centre, rays.body.normal, rays.body.radius
     if rays.axis is not None:
         line[7:10], line[10:13] = rays.axis
-    line[13:22], line[22] = rays.moments, rays.mean_weight
     return line
 
 
@@ -369,14 +369,6 @@ def _draw_turn(axis, position, mean, q, width, u):
     # By the half angle t the density is (h^2 + t^2) / (h (1 + t^2)) times less than even.
     over = (dr.square(half) + dr.square(tangent)) / (half * (1.0 + dr.square(tangent)))
     return best + 2.0 * dr.atan(tangent), over
-
-
-def _weigh(direction, moments):
-    x, y, z = direction
-    value = mi.Float(1.0)
-    for coefficient, term in zip(moments, (x * x, y * y, z * z, x * y, y * z, z * x, x, y, z), strict=True):  # fmt: skip
-        value = dr.fma(coefficient, term, value)
-    return dr.clip(value, LEAST_WEIGHT, LARGEST_WEIGHT)
 
 
 def _density(direction, mean, factor):

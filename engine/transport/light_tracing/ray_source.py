@@ -5,8 +5,8 @@ import mitsuba as mi
 import numpy as np
 
 from ...arrays import upload
-from ...raysets.cloud import LARGEST_WEIGHT, LEAST_WEIGHT
 from ...scene.ray_emission import GROUP, HULL, PLANE, SPHERE, RayEmission
+from .ray_weight import RayWeight
 
 LOWER = [(i, j) for i in range(6) for j in range(i + 1)]
 """Entries of a triangular factor that are not zero."""
@@ -37,8 +37,7 @@ class RaySource:
         body = emission.body
         self._centre, self._normal = _vector(body.centre), _vector(body.normal)
         self._radius = dr.opaque(mi.Float, float(body.radius))
-        self._moments = [dr.opaque(mi.Float, float(c)) for c in emission.moments]
-        self._mean_weight = dr.opaque(mi.Float, float(emission.mean_weight))
+        self._weight = RayWeight([emission.weight])
         if emission.axis is not None:
             self._axis_centre, self._axis = (_vector(each) for each in emission.axis)
 
@@ -60,7 +59,8 @@ class RaySource:
         colour = None
         if self._wavelength is not None:
             colour = dr.gather(mi.Float, self._wavelength, number)
-        return mi.Point3f(position), direction, self._weigh(direction), colour
+        weight = self._weight.of_set(mi.UInt32(0), True)
+        return mi.Point3f(position), direction, weight(direction), colour
 
     def _scatter(self, number, stream):
         noise = []
@@ -150,14 +150,6 @@ class RaySource:
             labels=("way", "slab"),
         )
         return dr.select(way < 1e29, way, 0.0)
-
-    def _weigh(self, direction):
-        x, y, z = direction
-        basis = (x * x, y * y, z * z, x * y, y * z, z * x, x, y, z)
-        value = mi.Float(1.0)
-        for coefficient, term in zip(self._moments, basis, strict=True):
-            value = dr.fma(coefficient, term, value)
-        return dr.clip(value, LEAST_WEIGHT, LARGEST_WEIGHT) / self._mean_weight
 
 
 def _vector(values):

@@ -23,6 +23,7 @@ from ..paths.visible_surfaces import Sight
 from ..pictures.view_cells import Division, ViewCells
 from ..witness.sensors import SensorTestimony, hear_sensors
 from .cell_job import CellJob
+from .file_errors import find_file_errors
 from .lateness import ENDLESS, late_bounds
 from .method import BUDGET, FEWEST_PATHS, Choice
 
@@ -104,6 +105,11 @@ def measure(
             asked = positions, normals, kind, bright, seed, reflections, cancelled
             heard = hear_sensors(scene, *asked)
             estimate = estimate.widened(heard.floors)
+        bright = estimate.channel(1) if colour else estimate
+        places = receivers.positions, receivers.normals
+        open_errors = find_file_errors(scene, *places, kind, bright.mean, scene.bent is not None)
+        more = (*more, *_tell_open(open_errors, bright))
+        estimate = estimate.widened(open_errors) if open_errors.any() else estimate
     whole = estimate.samples * len(estimate.mean)
     notes = (*notes, *kept, *more, *tell_lost({"samples": (estimate.lost, whole)}))
     # What is left out of a scene is wrong at all sensors alike.
@@ -148,6 +154,17 @@ def spectral_fields(estimate: Estimate) -> dict:
         "equivalent_daylight": mean[:, receptors],
         "equivalent_daylight_error": error[:, receptors],
     }
+
+
+def _tell_open(errors: np.ndarray, rest: Estimate) -> tuple[str, ...]:
+    """Say if most of what is stated are gaps between the rays of files. ``errors``: by these [lx]; ``rest``: without."""
+    if not (errors**2).sum() > (rest.standard_error**2).sum():
+        return ()
+    share = 100.0 * np.sqrt((errors**2).mean()) / rest.mean.mean()
+    return (
+        f"most of the stated errors, {share:.2g} % of the mean, is what ray files leave open between their rays: more "
+        "samples do not lower it, files of more rays do",
+    )
 
 
 class _Measuring:

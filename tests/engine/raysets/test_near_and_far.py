@@ -13,7 +13,7 @@ from lumenray.engine.scene.distribution import IntensityDistribution
 from lumenray.engine.scene.light import Luminaire, Output, Quantity
 from lumenray.engine.scene.mesh import Mesh
 from lumenray.engine.scene.nearness import box_distance, mesh_distance
-from lumenray.engine.scene.ray_emission import RayBody, RayEmission
+from lumenray.engine.scene.ray_emission import DirectionWeight, RayBody, RayEmission
 from lumenray.engine.scene.scene import Scene, SceneDelta
 
 SIZE = 2.0 * RADIUS
@@ -139,8 +139,7 @@ def test_a_scene_is_explained_object_by_object():
         wavelength=None,
         body=RayBody("plane", zeros, zeros, True, 0.0, np.zeros((0, 5), np.float32)),
         axis=None,
-        moments=np.zeros(9),
-        mean_weight=1.0,
+        weight=DirectionWeight.even(),
         size=0.1,
         half=np.full(3, 0.05),
         near=0.5,

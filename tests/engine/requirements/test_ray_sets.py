@@ -12,7 +12,14 @@ from lumenray.engine.requirements.ray_sets import find_limit
 from lumenray.engine.scene.distribution import IntensityDistribution
 from lumenray.engine.scene.light import Luminaire, Output, Quantity
 from lumenray.engine.scene.modelling import Modelling, Switch
-from lumenray.engine.scene.ray_emission import EVERYWHERE, GROUP, PLANE, RayBody, RayEmission
+from lumenray.engine.scene.ray_emission import (
+    EVERYWHERE,
+    GROUP,
+    PLANE,
+    DirectionWeight,
+    RayBody,
+    RayEmission,
+)
 from lumenray.engine.scene.scene import Scene, SceneDelta
 
 FAR = np.array([1.0, 2.0, 5.0, 10.0, 20.0, 50.0, 100.0])
@@ -31,8 +38,7 @@ def emission(errors, size=0.1, fluctuation=0.3):
         None,
         body,
         None,
-        np.zeros(9),
-        1.0,
+        DirectionWeight.even(),
         size,
         np.full(3, 0.5 * size),
         5.0 * size,
