@@ -17,8 +17,8 @@ CODES = f"""exit codes:
   0  done, as it was asked for
   1  failed, refused or cancelled; one line on standard error says why, and no results are written
   2  the command line is not understood
-  {UNREACHED}  the results are written, but time or samples ended before the wanted error was reached, or Ctrl-C stopped a
-     bake before its end
+  {UNREACHED}  the results are written, but time or samples ended before the wanted error was reached, more samples do
+     not lower it, or Ctrl-C stopped a bake before its end
   {ASSUMED}  the results are written, but the conversion report holds errors: something of the scene was left out; this
      code stands where {UNREACHED} would hold as well
 """

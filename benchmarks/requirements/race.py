@@ -93,6 +93,7 @@ def race(scene: NeedScene, seeds: int, longest: float = LONGEST) -> dict:
         "full_seconds": float(np.mean(needed)),
         "is_full_reckoned": any(map(_is_reckoned, (each for each, _ in runs[:2]))),
         "is_reckoned": any(map(_is_reckoned, (each for each, _ in made))),
+        "says_more": any(_says_more(each) for each, _ in made),
         "squares": squares,
         "reference_square": beside,
         "reference_spread": float(apart.std() / np.sqrt(len(truth))),
@@ -129,12 +130,23 @@ def is_hidden(row: dict) -> bool:
 
 def _is_reckoned(made) -> bool:
     """Whether a run ended before its error was the asked one."""
-    return relative_error(made.standard_error, made.illuminance) > 1.05 * ERROR
+    return _scatter(made) > 1.05 * ERROR
 
 
 def _reckon(made, seconds: float) -> float:
     """Seconds to the asked error, by those of a run and its error."""
-    return seconds * max(relative_error(made.standard_error, made.illuminance) / ERROR, 1.0) ** 2
+    return seconds * max(_scatter(made) / ERROR, 1.0) ** 2
+
+
+def _says_more(made) -> bool:
+    """Whether a run says that it did not come to the asked error."""
+    return relative_error(made.standard_error, made.illuminance) > 1.05 * ERROR
+
+
+def _scatter(made) -> float:
+    """Error of a run as far as more samples lower it. [-]"""
+    square = made.standard_error**2 - (0.0 if made.floors is None else made.floors**2)
+    return relative_error(np.sqrt(np.maximum(square, 0.0)), made.illuminance)
 
 
 def _join(made: list) -> tuple[np.ndarray, np.ndarray]:

@@ -27,7 +27,7 @@ from ..common.interiors import make_matt
 from ..common.pieces import box, make_mesh, quad, rigid_frame, side_of_box
 from ..common.ray_sources import disk, even_numbers
 
-RAYS, RAY_FLUX = 1 << 18, 100.0
+RAYS, RAY_FLUX = 1 << 21, 100.0
 """Of the ray file, and their light. [lm]"""
 
 SIDES = ("bottom", "top", "-y", "+y", "-x", "+x")

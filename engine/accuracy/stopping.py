@@ -72,7 +72,7 @@ class StopRule:
         return replace(self, error=left(self.error), each=left(self.each)) if bound else self
 
     def shortfall(self, relative: float, absolute: float = math.inf, each: float = math.inf) -> str:
-        """Say which error was wanted and not reached, because samples or time ended before.
+        """Say which error was wanted and not reached, because samples or time ended before, or more samples do not lower it.
 
         Parameters
         ----------
@@ -98,7 +98,11 @@ class StopRule:
         )
         ends = [f"the time of {self.seconds:g} s"] if self.seconds is not None else []
         ends += [f"the {self.samples} samples"] if self.samples is not None else []
-        return f"{said}: {' or '.join(ends) or 'the run'} ended before"
+        return (
+            f"{said}: {' or '.join(ends)} ended before"
+            if ends
+            else f"{said}: more samples do not lower it"
+        )
 
 
 @dataclass(frozen=True)

@@ -18,6 +18,7 @@ import numpy as np
 from ..errors import Cancelled, FileFormatError
 from ..scene.ray_emission import DirectionWeight
 from .beam_cells import BeamCells
+from .blur import find_blur
 from .body import Hull, Plane, Sphere, find_body
 from .direction_weight import fit_weight
 from .neighbourhoods import GROUP, Spread, order_rays, spread_rays
@@ -86,7 +87,7 @@ class RayCloud:
     flux : float    Of all, in the file's quantity. [lm or W]
     share : float    Of rays that are neighbours of one. [-]
     information_error : float    Relative error of the light in a cell with a 192nd of it that comes from the file's having
-        no more rays, as root mean square over cells. [-]
+        no more rays, and of what is seen to be blurred, as root mean square over cells. [-]
     """
 
     spread: Spread
@@ -207,14 +208,14 @@ def make_cloud(
     shape = _Shape(size, body, axis)
     share, error = choose_share(rays, shape, fluctuation, seed, cancelled)
     told(0.3)
-    rays = _take(rays, order_rays(rays.position, rays.direction, size))
+    given, rays = rays, _take(rays, order_rays(rays.position, rays.direction, size))
     if cancelled():
         raise Cancelled("cancelled")
     whole = rays
     if most is not None and len(rays) > most:
         rays = thin_rays(rays, most, seed)
     weighed = int(np.clip(4 * len(rays), MADE, WEIGHED))
-    return _prepare(
+    cloud = _prepare(
         rays,
         flux,
         shape,
@@ -222,11 +223,15 @@ def make_cloud(
         share,
         error,
         seed,
-        lambda s: told(0.3 + 0.7 * s),
+        lambda s: told(0.3 + 0.6 * s),
         cancelled,
         weighed,
         whole,
     )
+    made = cloud.draw(weighed, np.random.default_rng([seed & 0xFFFFFFFF, 9]))
+    blur = find_blur(made, given, [size * distance for distance in DISTANCES], BANDS, SECTORS)
+    told(1.0)
+    return replace(cloud, information_error=float(np.hypot(error, blur)))
 
 
 def thin_rays(rays: Rays, most: int, seed: int = 0) -> Rays:

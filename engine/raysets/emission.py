@@ -12,9 +12,7 @@ from ..scene.distribution import IntensityDistribution
 from ..scene.ray_emission import HULL, PLANE, SPHERE, DirectionWeight, RayBody, RayEmission
 from .beam_cells import BeamCells
 from .body import Hull, Plane, Sphere
-from .cloud import BANDS as CLOUD_BANDS
-from .cloud import DISTANCES, Drawn, Fluctuation, RayCloud, extent, hold_rays, make_cloud
-from .cloud import SECTORS as CLOUD_SECTORS
+from .cloud import Drawn, Fluctuation, RayCloud, extent, hold_rays, make_cloud
 from .reader import read_rayset
 from .record import RayFile, Rays
 from .reduction import TO_LUMINAIRE, choose_step, is_rotational, reduce_rays
@@ -137,8 +135,6 @@ def prepare_light(
         pieces.append(cloud.draw(PIECE, rng))
         told(0.7 + 0.2 * (number + 1) / (GENERATED // PIECE))
     distribution = _reduce(pieces, flux or 1.0)
-    blur = find_blur(pieces, held, cloud.size)
-    cloud = replace(cloud, information_error=float(np.hypot(cloud.information_error, blur)))
     centre = find_focus(held)
     distances = np.array(FAR) * cloud.size
     errors = settle_errors(distances, far_errors(pieces, centre, distances))
@@ -186,26 +182,6 @@ def make_emission(
         information_error=cloud.information_error if np.isfinite(cloud.information_error) else 1.0,
         far_distances=np.asarray(distances, dtype=np.float64),
         far_errors=np.asarray(errors, dtype=np.float64),
-    )
-
-
-def find_blur(pieces: list[Drawn], rays: Rays, size: float) -> float:
-    """Relative error of generated light that its difference from the file's rays shows: what fluctuation has blurred.
-
-    Light is counted in cells of spheres around the source, as by `cloud.choose_share`, and in fewer ones. Rays of a file
-    scatter there by chance, or by less if they were chosen evenly, which its halves tell; a difference that may be chance
-    counts for nothing.
-
-    Parameters
-    ----------
-    pieces : list of Drawn
-    rays : Rays    In the order of the file.
-    size : float    Of the source. [m]
-    """
-    middle = rays.position.astype(np.float64).mean(axis=0)
-    return max(
-        _compare(pieces, rays, middle, [size * distance for distance in DISTANCES], sectors)
-        for sectors in (1, CLOUD_SECTORS)
     )
 
 
@@ -293,32 +269,6 @@ def far_errors(pieces: list[Drawn], centre: np.ndarray, distances: np.ndarray) -
 
 
 # ---- private ----
-
-
-def _compare(pieces: list[Drawn], rays: Rays, middle, radii: list[float], sectors: int) -> float:
-    """Root mean square of the difference in the cells of all spheres over that of the light, beyond chance. [-]"""
-    weight = rays.weight / rays.weight.sum(dtype=np.float64)
-    halves = (slice(0, len(rays) // 2), slice(len(rays) // 2, None))
-    square = noise = scale = 0.0
-    for radius in radii:
-        cells = BeamCells(
-            rays.position, rays.direction, weight, middle, radius, CLOUD_BANDS, sectors
-        )
-        where = cells.numbers(rays.position, rays.direction, radius)
-        first, second = (np.bincount(where[part], weight[part], len(cells)) for part in halves)
-        made = sum(
-            np.bincount(cells.numbers(p.position, p.direction, radius), p.flux, len(cells))
-            for p in pieces
-        )
-        expected = first + second
-        square += float(((made / made.sum() - expected) ** 2).mean())
-        scale += float((expected**2).mean())
-        apart = first / max(first.sum(), 1e-300) - second / max(second.sum(), 1e-300)
-        chance = np.bincount(where, weight**2, len(cells))
-        noise += min(float(chance.mean()), 0.25 * float((apart**2).mean()))
-        noise += float(expected.mean()) / sum(len(p.flux) for p in pieces)
-    sure = 1.0 + 2.0 * np.sqrt(2.0 / (len(radii) * len(cells)))
-    return float(np.sqrt(max(square - sure * noise, 0.0) / scale))
 
 
 def _lumens(file: RayFile, survey: Survey, held: Rays):

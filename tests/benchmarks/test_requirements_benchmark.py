@@ -98,6 +98,10 @@ def test_results_are_judged_by_the_demands():
     assert result["speedup"] == pytest.approx((8.0 * 0.9) ** 0.5)
     # True errors of about what was asked are chance; twice of it are not.
     assert (result["slowest"], result["over_asked"], result["bounds_exceeded"]) == (0.9, 1, 1)
+    # Nor where runs state more than was asked, but not as much.
+    for stated, over in ((0.015, 1), (0.025, 0)):
+        scenes["b"] |= {"says_more": True, "stated": [stated] * 3}
+        assert run._sum_up({"scenes": scenes, "bounds": trials, "seeds": 3})["over_asked"] == over
     passed = [bar.passed for bar in run.check_bars(result)]
     assert passed == [True, False, False, False, None, None, None]
     starts = {"import_seconds": 0.05, "explain_seconds": 2.0, "enabling_seconds": 0.31}

@@ -143,4 +143,5 @@ def test_an_error_in_lux_is_known_without_light(tmp_path):
     missed = find_shortfall(order.rule, replace(result, pages=(noisy,)))
     assert "wanted standard error of 0.5 lx was not reached, it is 0.75 lx" in missed
     # A share of nothing is not known.
+    assert "more samples do not lower it" in find_shortfall(StopRule(error=0.01), result)
     assert "not known" in find_shortfall(StopRule(error=0.01), result)

@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 
 from lumenray.benchmarks.common.ray_sources import disk, even_numbers, numbers, sphere
+from lumenray.engine.raysets.blur import find_blur
 from lumenray.engine.raysets.body import find_body
 from lumenray.engine.raysets.cloud import Fluctuation, make_cloud, order_rays, thin_rays
 from lumenray.engine.raysets.direction_weight import fit_weight
-from lumenray.engine.raysets.emission import find_blur
 from lumenray.engine.raysets.record import Rays
 from lumenray.engine.raysets.symmetry import find_axis
 from lumenray.engine.scene.ray_emission import BANDS, DirectionWeight
@@ -161,9 +161,11 @@ def test_what_fluctuation_blurs_is_stated():
     blurs = {}
     for width in (0.02, 0.6):
         cloud = make_cloud(rays, 1.0, Fluctuation(position=0.0, direction=width))
-        pieces = [cloud.draw(1 << 19, np.random.default_rng(k)) for k in range(2)]
-        exact = bands_of(pieces[0].direction, pieces[0].flux, 48) - 1.0
-        blurs[width] = find_blur(pieces, rays, cloud.size), float(np.sqrt((exact**2).mean()))
+        made = cloud.draw(1 << 20, np.random.default_rng(1))
+        exact = bands_of(made.direction, made.flux, 48) - 1.0
+        blur = find_blur(made, rays, [cloud.size, 4.0 * cloud.size], 12, 16)
+        blurs[width] = blur, float(np.sqrt((exact**2).mean()))
+        assert cloud.information_error > 0.9 * blur
     assert blurs[0.02][0] < 0.01
     stated, true = blurs[0.6]
     assert stated > 0.02
