@@ -4,7 +4,7 @@ Every kind gets samples where another one lowers the error most for its cost. Gr
 how they differ is the error.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -138,17 +138,29 @@ class CellJob:
                 bias = self._find_bias(samples, made.mean[:, bright])
                 if bias.beyond > budget or bias.held > most_held:
                     return None, bias
-            made = made.widened(bias.held * made.mean[:, bright])
+            held = bias.held * made.mean[:, bright]
+            scattered, made = made.channel(bright), made.widened(held)
             done, brightness = round(sums.samples), made.channel(bright)
             error = brightness.relative_error(self._weights)
-            excess = excess_of(self.rule, brightness) if done >= FEWEST_SAMPLES else None
-            if self.clock.is_done(done, error, excess):
+            judged = scattered if self._is_out_of_reach(scattered, held) else brightness
+            excess = excess_of(self.rule, judged) if done >= FEWEST_SAMPLES else None
+            if self.clock.is_done(done, judged.relative_error(self._weights), excess):
                 return widened_by_loss(made, self._lost_shares(sums), self._lost(sums)), bias
             if self.progress is not None:
                 self.progress(self.clock.progress(done, error))
             added = self._next(sums, brightness.mean)
 
     # ---- private ----
+
+    def _is_out_of_reach(self, scattered: Estimate, held: np.ndarray) -> bool:
+        """Whether what errors hold of the bias alone is more than is asked for, however many samples there are.
+
+        A job that has to read cells then ends with what samples may have, and states more than was asked.
+        """
+        alone = replace(scattered, standard_error=held)
+        whole, excess = self.rule.error, excess_of(self.rule, alone)
+        is_whole_met = whole is not None and alone.relative_error(self._weights) < whole
+        return not is_whole_met and (excess is None or excess >= 1.0)
 
     def _sums(self, kinds) -> KindSums:
         meter = self.light.meter
