@@ -20,9 +20,9 @@ def tell_parts(error: float, simplified: float) -> str:
     """
     if not simplified:
         return ""
-    sampling = math.sqrt(max(error**2 - simplified**2, 0.0))
-    told = f"{100.0 * sampling:.2g} %" if math.isfinite(error) else "not known"
-    return f"sampling {told}, simplifications at most {100.0 * simplified:.2g} %"
+    rest = math.sqrt(max(error**2 - simplified**2, 0.0))
+    told = f"{100.0 * rest:.2g} %" if math.isfinite(error) else "not known"
+    return f"simplifications at most {100.0 * simplified:.2g} %, all else {told}"
 
 
 def left_to_samples(error: float, bound: float) -> float:
