@@ -108,7 +108,7 @@ def test_bounds_and_savings_are_told_in_per_cent(settings):
     assert "at most 0.24 %" in text
     assert "about 40 %" in text
     assert "It is enough" in text
-    assert "Simplifications at most 0.24 %, all else 0.97 %" in text
+    assert "Sampling 0.97 %, simplifications at most 0.24 %" in text
 
 
 def test_without_an_asked_error_only_what_is_exact_is_said_to_be_simplified(settings):
