@@ -2,6 +2,7 @@
 
 import tempfile
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -161,6 +162,8 @@ def measure_maps(told) -> list[dict]:
         flux = np.full(len(position), FLUX / len(position), np.float32)
         write_tm25(path, [Rays(position, direction, flux)], LUMINOUS)
         light = prepare_light(path)
+    # Errors of lumels are to be those of chance, which are taken off.
+    emission = replace(light.emission, information_error=0.0)
     rows = []
     for distance in DISTANCES:
         height, half = SIZE * distance, 0.75 * SIZE * distance
@@ -181,7 +184,7 @@ def measure_maps(told) -> list[dict]:
             Output(Quantity.LUMINOUS_FLUX, FLUX),
             frame,
             light.distribution,
-            rays=light.emission,
+            rays=emission,
         )
         row = {"distance": distance}
         for name, caustics in (("rays", "auto"), ("point", "off")):

@@ -1,15 +1,21 @@
 """What a ray file leaves open of the light at places: where between its rays light goes is known to so many rays only.
 
 How well is told when the set is made ready (`RayEmission.information_error`, theory 6.9): of light in a cell with a 192nd of
-it, and places see no wider part of the lamp's light. So the light that comes straight from a lamp is known within that
-share of it. Lamps of one set send the same error wherever they send the same part of it, so theirs add up; errors of
-different sets have nothing in common, and add as squares. What is reflected is a mean over much of the lamp's light, of
-which the whole is known, and is left out.
+it, and places see no wider part of the lamp's light. So the light that comes straight from a lamp is known within that share
+of it; where less goes than on the mean, fewer rays tell it, and the share grows with the root. Lamps of one set send
+the same error wherever they send the same part of it, so theirs add up; errors of different sets have nothing in common, and
+add as squares. What is reflected is a mean over much of the lamp's light, of which the whole is known, and is left out.
 """
 
 import numpy as np
 
-from ...luminaires.distribution import flux, intensity, peak
+from ...luminaires.distribution import (
+    azimuth_weights,
+    flux,
+    intensity,
+    peak,
+    polar_weights,
+)
 from ...scene.scene import content_digest
 from ...scene.sensor import SensorKind
 
@@ -51,14 +57,15 @@ def find_file_errors(scene, positions, normals, kind: SensorKind, found, bends: 
     places = scene.local(positions).astype(np.float64)
     normals = np.asarray(normals, dtype=np.float64)
     for rows in sets:
-        straight = found
+        share = np.ones(len(found))
         if not goes_on:
-            straight = np.zeros(len(found))
             for first in range(0, len(found), CHUNK):
                 part = slice(first, first + CHUNK)
-                for row in rows:
-                    straight[part] += _receive(row, places[part], normals[part], kind)
-        errors = np.hypot(errors, rows[0].rays.open_error * np.minimum(straight, found))
+                made = [_receive(row, places[part], normals[part], kind) for row in rows]
+                straight, unsure = np.sum(made, axis=0)
+                # Light that does not arrive is as sure as the rest of it.
+                share[part] = unsure / np.maximum(straight, np.maximum(found[part], 1e-300))
+        errors = np.hypot(errors, rows[0].rays.open_error * share * found)
     return errors
 
 
@@ -86,16 +93,25 @@ def _find_sets(scene) -> list[list]:
 
 
 def _receive(row, places: np.ndarray, normals: np.ndarray, kind: SensorKind) -> np.ndarray:
-    """Illuminance by a lamp that nothing shades, at most that close by. (n,) [lx]"""
+    """Illuminance by a lamp that nothing shades, at most that close by, and what its share is taken of. (2, n) [lx]"""
     away = places - row.centre
     distance = np.linalg.norm(away, axis=1)
     unit = away / np.maximum(distance, 1e-300)[:, None]
     size = row.rays.size
-    share = row.amount / max(flux(row.distribution), 1e-300)
-    candela = share * intensity(row.distribution, unit @ row.rotation)
-    lux = candela * _respond(kind, -unit, normals) / np.maximum(distance, 1e-300) ** 2
-    most = share * peak(row.distribution)[0] / np.maximum(distance - size, FEWEST_CLOSE * size) ** 2
-    return np.where(distance < CLOSE * size, most, lux)
+    whole = max(flux(row.distribution), 1e-300)
+    scale = row.amount / whole
+    candela = intensity(row.distribution, unit @ row.rotation)
+    weak = np.sqrt(candela * np.maximum(candela, _mean_intensity(row.distribution) / whole))
+    over = _respond(kind, -unit, normals) / np.maximum(distance, 1e-300) ** 2
+    most = peak(row.distribution)[0] / np.maximum(distance - size, FEWEST_CLOSE * size) ** 2
+    is_close = distance < CLOSE * size
+    return scale * np.where(is_close, most, over * np.stack([candela, weak]))
+
+
+def _mean_intensity(distribution) -> float:
+    """Integral of the square of the intensity: over the flux, the mean of the intensity by its own light. [cd2 sr]"""
+    square = azimuth_weights(distribution.azimuth) @ distribution.intensity**2
+    return float(square @ polar_weights(distribution.polar))
 
 
 def _respond(kind: SensorKind, towards: np.ndarray, normals: np.ndarray) -> np.ndarray:
