@@ -93,7 +93,6 @@ def race(scene: NeedScene, seeds: int, longest: float = LONGEST) -> dict:
         "full_seconds": float(np.mean(needed)),
         "is_full_reckoned": any(map(_is_reckoned, (each for each, _ in runs[:2]))),
         "is_reckoned": any(map(_is_reckoned, (each for each, _ in made))),
-        "says_more": any(_says_more(each) for each, _ in made),
         "squares": squares,
         "reference_square": beside,
         "reference_spread": float(apart.std() / np.sqrt(len(truth))),
@@ -136,11 +135,6 @@ def _is_reckoned(made) -> bool:
 def _reckon(made, seconds: float) -> float:
     """Seconds to the asked error, by those of a run and its error."""
     return seconds * max(_scatter(made) / ERROR, 1.0) ** 2
-
-
-def _says_more(made) -> bool:
-    """Whether a run says that it did not come to the asked error."""
-    return relative_error(made.standard_error, made.illuminance) > 1.05 * ERROR
 
 
 def _scatter(made) -> float:

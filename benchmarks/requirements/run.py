@@ -39,9 +39,9 @@ which roulette begins at the third vertex, as many samples for all sensors, the 
 or left out). Seconds are those of the processors, with kernels made
 and the scene compiled, without the second witness, which costs both the same; of runs in full of
 more than {longest:g} s and automatic ones of more than {own:g} s, marked by \\*, they are reckoned from the error that was
-reached, and the latter, {few} in place of {seeds}, are judged by the error that they state. So are runs that state more than
-was asked as more samples do not lower it, such as what a ray file leaves open between its rays. *True error*: root mean
-square of {seeds} runs over the sensors, over their mean, against the runs in full; *at most* where these may be off by more
+reached, and the latter, {few} in place of {seeds}, are judged by the error that they state. What a ray file leaves open
+between its rays more samples do not lower: it is stated, and no part of this reckoning. *True error*: root mean square of
+{seeds} runs over the sensors, over their mean, against the runs in full; *at most* where these may be off by more
 themselves.
 {cpu}, {cores} cores.
 
@@ -116,10 +116,10 @@ def _sum_up(made: dict) -> dict:
 
 
 def _is_over(row: dict) -> bool:
-    """Whether true errors are over the asked one, beyond what chance may do, or over more than that where runs state it."""
+    """Whether true errors are over the asked one, or over what runs state that ended before, beyond what chance may do."""
     error, doubt = race.true_error(row)
     allowed = race.ERROR
-    if row.get("says_more") or row.get("is_reckoned"):
+    if row.get("is_reckoned"):
         allowed = max(allowed, float(np.sqrt(np.mean(np.square(row["stated"])))))
     return error - SURE * doubt > allowed
 

@@ -22,7 +22,7 @@ def tell_parts(error: float, simplified: float) -> str:
         return ""
     rest = math.sqrt(max(error**2 - simplified**2, 0.0))
     told = f"{100.0 * rest:.2g} %" if math.isfinite(error) else "not known"
-    return f"simplifications at most {100.0 * simplified:.2g} %, all else {told}"
+    return f"sampling and the rest {told}, simplifications at most {100.0 * simplified:.2g} %"
 
 
 def left_to_samples(error: float, bound: float) -> float:

@@ -183,7 +183,7 @@ def test_errors_say_how_much_of_them_is_simplified(room, tmp_path, capsys):
     saved = tmp_path / "saved.blend"
     code, said, _ = run_command(*bake, "--save", saved, "--model", "colours=force")
     # What is forced costs more than what is asked for, which the exit code tells.
-    assert code == 3 and "the error is made of: simplifications" in said and "all else" in said
+    assert code == 3 and "the error is made of: sampling and the rest" in said and parts in said
     report = json.loads((tmp_path / "lux" / "report.json").read_text())
     assert 0.05 < report["simplifications_at_most"] < 0.5
     assert any("simplifications: at most" in line for line in report["decisions"])

@@ -309,7 +309,8 @@ def test_what_is_left_out_of_all_light_groups_does_not_cancel_in_their_sum():
     assert readings.mean_error() >= 0.02
     set_sliders()
     told = dict(words.describe(empty))["error of the mean"]
-    assert told.startswith("simplifications at most 2 %, all else 0.")
+    assert told.startswith("sampling and the rest 0.")
+    assert told.endswith("simplifications at most 2 %")
     assert files.describe_readings("Desk", readings, LightMix())["simplifications_at_most"] == 0.02
     measure(noise=NOISE)
     assert "error of the mean" not in dict(words.describe(empty))

@@ -178,6 +178,7 @@ def test_a_report_says_what_errors_are_made_of_where_something_was_simplified(re
     scene = replace(report.scenes[0], areas=(simplified,))
     made = replace(report, scenes=(scene,))
     words = words_of(Page(to_html(compose(made))))
-    assert "Error of the mean simplifications at most 0.3 %, all else 0." in words
+    assert "Error of the mean sampling and the rest 0." in words
+    assert "simplifications at most 0.3 %" in words
     assert data.describe(made)["lighting_scenes"][0]["areas"][0]["simplifications_at_most"] == 0.003
     assert "simplifications at most" not in words_of(Page(to_html(compose(report))))

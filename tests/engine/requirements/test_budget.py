@@ -8,13 +8,16 @@ from lumenray.engine.requirements.budget import left_to_samples, tell_parts
 
 
 def test_an_error_is_told_in_its_parts():
-    assert tell_parts(0.01, 0.003) == "simplifications at most 0.3 %, all else 0.95 %"
+    assert tell_parts(0.01, 0.003) == "sampling and the rest 0.95 %, simplifications at most 0.3 %"
     assert tell_parts(0.01, 0.0) == ""
-    assert tell_parts(math.inf, 0.003) == "simplifications at most 0.3 %, all else not known"
+    assert (
+        tell_parts(math.inf, 0.003)
+        == "sampling and the rest not known, simplifications at most 0.3 %"
+    )
 
 
 def test_rounding_makes_no_root_of_less_than_nothing():
-    assert tell_parts(0.003, 0.003 * (1.0 + 1e-12)).endswith("all else 0 %")
+    assert tell_parts(0.003, 0.003 * (1.0 + 1e-12)).startswith("sampling and the rest 0 %")
 
 
 @pytest.mark.parametrize("bound", [0.0, 1e-4, 0.003, 0.005])
