@@ -40,7 +40,7 @@ class Measurement:
     balance : dict or None    Energy of the whole by the pilot from the lights, see `WitnessReport.balance`. [lm]
     method : str    How light beyond the first bounce was found and why so, for people.
     spectra : SensorSpectra or None    Where they were asked for.
-    has_common_errors : bool    Whether errors of sensors have much in common, as they read the same cells.
+    has_common_errors : bool    Whether errors of sensors have much in common, such as cells that all read.
     floors : (n,) float64 or None    Part of the errors that more samples do not lower, in all channels; None: nothing. [lx]
     """
 

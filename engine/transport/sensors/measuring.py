@@ -47,7 +47,7 @@ class Reading:
     estimate : Estimate    As of `illuminance.compute`. [lx]
     decisions, notes : tuple of str    For people.
     balance : dict or None    Of the second witness, see `WitnessReport.balance`. [lm]
-    has_common_errors : bool    Whether errors of sensors have much in common, as they read the same cells.
+    has_common_errors : bool    Whether errors of sensors have much in common, such as cells that all read.
     """
 
     estimate: Estimate
@@ -112,8 +112,8 @@ def measure(
         estimate = estimate.widened(open_errors) if open_errors.any() else estimate
     whole = estimate.samples * len(estimate.mean)
     notes = (*notes, *kept, *more, *tell_lost({"samples": (estimate.lost, whole)}))
-    # What is left out of a scene is wrong at all sensors alike.
-    has_common = made.reads_cells or spent > 0.0
+    # What is left out of a scene, or not known of a lamp, is wrong at all sensors alike.
+    has_common = made.reads_cells or spent > 0.0 or bool(open_errors.any())
     if heard is None:
         return Reading(estimate, (decision,), notes, None, has_common)
     decisions = (decision, heard.decision) if heard.decision else (decision,)
