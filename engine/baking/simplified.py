@@ -57,6 +57,6 @@ def hold_file_errors(
 def _has_curved(scene) -> bool:
     """Whether glass or mirrors that are not flat may send light of lamps on."""
     return any(
-        material.surface.is_purely_specular and (part.planes is None or (part.planes < 0).any())
+        material.surface.is_bending and (part.planes is None or (part.planes < 0).any())
         for _, part, material in scene.parts()
     )

@@ -122,6 +122,37 @@ def test_readings_and_maps_state_it():
     assert whole.mean_standard_error > 0.02 * whole.mean
 
 
+@pytest.mark.parametrize(
+    ("item", "share"),
+    [("mirror ball", 1.0), ("glass ball", 1.0), ("mirror wall", 1.0), (None, 0.0)],
+)
+def test_maps_know_what_sends_light_of_lamps_on(item, share):
+    """A sheet that faces away from the lamp gets its light from mirrors and glass alone, so all of it counts."""
+    from glass_scenes import GLASS, MIRROR, ball
+
+    material = {"mirror": MIRROR, "glass": GLASS}[item.split()[0]] if item else None
+    bodies = []
+    if item:
+        wall = quad("wall", (2.0, -2, 0), (0, 4.0, 0), (0, 0, 3.0), "mirror")
+        bodies = [
+            wall if "wall" in item else ball("ball", 0.2, (0.5, 0.0, 0.5), material.id, rings=12)
+        ]
+    # Seen from below, its front is turned away.
+    sheet = quad("sheet", (-0.5, -0.5, 0.4), (0, 1.0, 0), (1.0, 0, 0), "paint")
+    white = quad("white", (-1, -1, 0.0), (2.0, 0, 0), (0, 2.0, 0), "paint")
+    items = (paint(0.5), sheet, white, *([material] if item else []), *bodies)
+    # The same seed, so that what the lamp's own error adds is all that differs.
+    pages = []
+    for lamp in (LAMP, known_within(LAMP, 0.0)):
+        result = bake((*items, lamp), ("sheet",), 64, density=6.0, margin=1, witness=False)
+        pages.append(result.lumels(result.maps[0].number))
+    page, exact = pages
+    known = page.illuminance > 0.0
+    np.testing.assert_array_equal(page.illuminance, exact.illuminance)
+    added = np.sqrt((page.standard_error**2 - exact.standard_error**2)[known])
+    np.testing.assert_allclose(added / page.illuminance[known], 0.03 * share, atol=3e-4)
+
+
 def test_the_stated_error_holds_the_true_one_near_a_disk():
     """By the file's own error, of four files of one source: nine tenths of the sensors are within two errors."""
     from ray_lamps import rays_of
