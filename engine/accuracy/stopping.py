@@ -63,13 +63,17 @@ class StopRule:
         """Smallest relative error that is asked for, None if none is. [-]"""
         return min((goal for goal in (self.error, self.each) if goal is not None), default=None)
 
-    def beside(self, bound: float) -> "StopRule":
-        """The rule for samples, where results may be off by a share of ``bound`` by what is not modelled. [-]"""
+    def beside(self, bound: float, each: float | None = None) -> "StopRule":
+        """The rule for samples, where results may be off by what these do not lower. [-]
 
-        def left(goal):
+        ``bound``: root mean square over the mean; ``each``: the largest of single values over these, None: all are alike.
+        """
+
+        def left(goal, bound):
             return None if goal is None else left_to_samples(goal, bound)
 
-        return replace(self, error=left(self.error), each=left(self.each)) if bound else self
+        each = bound if each is None else each
+        return replace(self, error=left(self.error, bound), each=left(self.each, each))
 
     def shortfall(self, relative: float, absolute: float = math.inf, each: float = math.inf) -> str:
         """Say which error was wanted and not reached, because samples or time ended before, or more samples do not lower it.

@@ -6,8 +6,11 @@ in quadrature, as all causes of error do here; a bound counts as a standard erro
 
 import math
 
-MOST = 0.5
+MOST = 0.8
 """Share of an asked error up to which more samples make up for a bound; beside larger ones they get what that leaves. [-]"""
+
+HIDDEN = 0.5
+"""Error of samples over a bound below which they hardly make the whole smaller: by an eighth at most. [-]"""
 
 
 def tell_parts(error: float, simplified: float) -> str:
@@ -26,5 +29,6 @@ def tell_parts(error: float, simplified: float) -> str:
 
 
 def left_to_samples(error: float, bound: float) -> float:
-    """Relative standard error that samples may have beside a bound. [-]"""
-    return math.sqrt(error**2 - min(bound, MOST * error) ** 2)
+    """Relative standard error that samples may have beside a bound; all that is asked where it is lost in that. [-]"""
+    left = math.sqrt(error**2 - min(bound, MOST * error) ** 2)
+    return min(max(left, HIDDEN * bound), error)

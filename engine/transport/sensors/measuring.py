@@ -23,7 +23,7 @@ from ..paths.visible_surfaces import Sight
 from ..pictures.view_cells import Division, ViewCells
 from ..witness.sensors import SensorTestimony, hear_sensors
 from .cell_job import CellJob
-from .file_errors import find_file_errors
+from .file_errors import find_file_errors, has_open_files
 from .lateness import ENDLESS, late_bounds
 from .method import BUDGET, FEWEST_PATHS, Choice
 
@@ -36,6 +36,9 @@ cells just pay, and of long ones, which read them so often that more of them, wh
 
 LOOKS = 1 << 16
 """Rays that find which surfaces matter."""
+
+PILOT, MOST_PILOT = 1 << 16, 1 << 10
+"""Samples of all sensors together that tell how much of the asked error samples cannot lower, and most of one of them."""
 
 
 @dataclass(frozen=True)
@@ -86,8 +89,8 @@ def measure(
         bent_lights(scene) as notes,
         bright_spots(scene, *seen),
     ):
-        sampling = rule.beside(spent)
-        made = _Measuring(scene, receivers, sampling, seed, colour, progress, cancelled)
+        made = _Measuring(scene, receivers, rule, seed, colour, progress, cancelled)
+        made.leave_room(kind, reflections)
         estimate, decision, more = made.run(method, reflections)
         blur = find_blur(
             scene, receivers, estimate.samples, seed, reflections, cancelled, made.known
@@ -106,8 +109,7 @@ def measure(
             heard = hear_sensors(scene, *asked)
             estimate = estimate.widened(heard.floors)
         bright = estimate.channel(1) if colour else estimate
-        places = receivers.positions, receivers.normals
-        open_errors = find_file_errors(scene, *places, kind, bright.mean, scene.bent is not None)
+        open_errors = _find_open(scene, receivers, kind, bright)
         more = (*more, *_tell_open(open_errors, bright))
         estimate = estimate.widened(open_errors) if open_errors.any() else estimate
     whole = estimate.samples * len(estimate.mean)
@@ -156,6 +158,12 @@ def spectral_fields(estimate: Estimate) -> dict:
     }
 
 
+def _find_open(scene, receivers: Receivers, kind: SensorKind, bright: Estimate) -> np.ndarray:
+    """What ray files leave open of illuminances. (n,) [lx]"""
+    places = receivers.positions, receivers.normals
+    return find_file_errors(scene, *places, kind, bright.mean, scene.bent is not None)
+
+
 def _tell_open(errors: np.ndarray, rest: Estimate) -> tuple[str, ...]:
     """Say if most of what is stated are gaps between the rays of files. ``errors``: by these [lx]; ``rest``: without."""
     if not (errors**2).sum() > (rest.standard_error**2).sum():
@@ -178,6 +186,27 @@ class _Measuring:
         self.known = known if known.is_useful else None
         self.reads_cells = False
 
+    def leave_room(self, kind: SensorKind, reflections: int | None) -> None:
+        """Have samples make up for the errors that they do not lower, as a few of them tell how large these are."""
+        asked, spent = self.rule, self.scene.requirements.spent
+        count = len(self.receivers.start)
+        is_open = has_open_files(self.scene)
+        if not count or asked.relative_goal is None or not (spent or is_open):
+            return
+        few = int(np.clip(PILOT // count, GROUPS, MOST_PILOT))
+        made = self._by_paths(reflections, rule=StopRule(samples=few))
+        bright = made.channel(1) if self.colour else made
+        shares = np.full(count, spent)
+        if is_open:
+            found = _find_open(self.scene, self.receivers, kind, bright)
+            shares = np.hypot(shares, found / np.maximum(bright.mean, 1e-300))
+        # The square of an estimate is too large by that of its error.
+        square = (shares**2 * (bright.mean**2 - bright.standard_error**2)).mean()
+        mean = bright.mean.mean()
+        bound = np.sqrt(max(square, 0.0)) / mean if mean > 0.0 else spent
+        self.rule = self.clock.rule = asked.beside(float(bound), float(shares.max()))
+        self.clock.restart()
+
     def run(self, method: str, reflections: int | None) -> tuple[Estimate, str, tuple[str, ...]]:
         """The estimate, how it was made, and notes on it."""
         count = len(self.receivers.start)
@@ -199,7 +228,9 @@ class _Measuring:
             notes = (*notes, told)
         return made, choice.reason, notes
 
-    def _by_paths(self, reflections, choice: Choice | None = None) -> Estimate | None:
+    def _by_paths(
+        self, reflections, choice: Choice | None = None, rule: StopRule | None = None
+    ) -> Estimate | None:
         if reflections is None and self.scene.requirements.late:
             # With the kernel that `late_bounds` uses.
             reflections = ENDLESS
@@ -207,15 +238,15 @@ class _Measuring:
         return compute(
             self.scene,
             self.receivers,
-            self.rule,
+            self.rule if rule is None else rule,
             self.seed,
             GROUPS,
-            self.progress,
+            self.progress if rule is None else None,
             self.cancelled,
             reflections,
             self.colour,
             self.known,
-            self.clock,
+            self.clock if rule is None else None,
             by_need=not self.scene.requirements.samples_evenly,
             **leaves,
         )

@@ -6,14 +6,14 @@ import numpy as np
 import pytest
 from baking_rooms import bake
 from ray_lamps import BLACK, exact_disk, floor, lamp_at, lumels_of
-from small_scenes import paint, quad, session_of
+from small_scenes import box, paint, quad, session_of
 
 from lumenray.benchmarks.common.ray_sources import helix
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.requirements.plan import DECISIONS
 from lumenray.engine.scene.light import Output, PointLight, Quantity
 from lumenray.engine.scene.modelling import Modelling, Switch
-from lumenray.engine.scene.sensor import SensorKind
+from lumenray.engine.scene.sensor import SensorColour, SensorKind
 from lumenray.engine.transport.sensors.file_errors import find_file_errors
 
 pytestmark = pytest.mark.mitsuba
@@ -120,6 +120,25 @@ def test_readings_and_maps_state_it():
     # What is alike on neighbouring lumels does not cancel in the mean.
     (whole,) = result.maps
     assert whole.mean_standard_error > 0.02 * whole.mean
+
+
+def test_samples_make_up_for_it_where_light_is_uneven():
+    """Sensors near the lamp count by the square of their light: all of them together lack twice the file's share."""
+    items = (paint(0.8), box(4.0, 4.0, 3.0), known_within(lamp_at((2.0, 2.0, 2.0)), 0.003))
+    near, far = (np.linspace(2.0 - away, 2.0 + away, n) for away, n in ((0.1, 12), (1.7, 40)))
+    places = np.array(
+        [
+            *([x, y, 1.3] for x in near for y in near),
+            *([x, y, 0.01] for x in far for y in far),
+        ]
+    )
+    facing = np.tile([0.0, 0.0, 1.0], (len(places), 1))
+    for kind in (SensorColour.NONE, SensorColour.TRISTIMULUS):
+        made = session_of(*items).measure(places, facing, StopRule(error=0.01), colour=kind)
+        mean = made.illuminance.mean()
+        assert np.sqrt((made.floors**2).mean()) > 0.005 * mean
+        stated = np.sqrt((made.standard_error**2).mean()) / mean
+        assert 0.009 < stated <= 0.0102
 
 
 @pytest.mark.parametrize(
