@@ -75,6 +75,21 @@ class StopRule:
         each = bound if each is None else each
         return replace(self, error=left(self.error, bound), each=left(self.each, each))
 
+    def beside_shares(self, shares: np.ndarray, made) -> "StopRule":
+        """The rule for samples of values that may be off by shares of them, which more samples do not lower.
+
+        Parameters
+        ----------
+        shares : (n,) array    [-]
+        made : Estimate    The values, by few samples at least, with the errors by these alone. (n,)
+        """
+        mean = float(made.mean.mean())
+        if not shares.any() or not mean > 0.0:
+            return self
+        # The square of an estimate is too large by that of its error.
+        square = float((shares**2 * (made.mean**2 - made.standard_error**2)).mean())
+        return self.beside(math.sqrt(max(square, 0.0)) / mean, float(shares.max()))
+
     def shortfall(self, relative: float, absolute: float = math.inf, each: float = math.inf) -> str:
         """Say which error was wanted and not reached, because samples or time ended before, or more samples do not lower it.
 

@@ -5,12 +5,14 @@ samples do not lower (what cells may be off by, light that a witness misses); th
 that part stays: the square of the whole is sum w_k^2 (e_k^2 - f_k^2) / W^2 + sum w_k f_k^2 / W.
 """
 
+import math
 import re
 from dataclasses import dataclass, field, fields, replace
 
 import numpy as np
 
 from ..accuracy.estimate import Estimate, relative_error
+from ..accuracy.stopping import StopRule
 from ..daylight.coefficients import DaylightCoefficients
 from ..light_mix import GroupLight
 from ..measurements import Measurement, SensorSpectra
@@ -53,10 +55,14 @@ class WeighedSums:
         """What of the error more samples do not lower; None where nothing is."""
         return np.sqrt(self.floors[name] / self.weight) if name in self.floors else None
 
+    def scatter(self, name: str) -> np.ndarray:
+        """Standard error of the mean as far as more samples lower it."""
+        return np.sqrt(self.squares[name]) / self.weight
+
     def error(self, name: str) -> np.ndarray:
         """Standard error of the mean."""
-        square = self.squares[name] / self.weight**2
-        return np.sqrt(square + self.floors.get(name, 0.0) / self.weight)
+        floor = self.floor(name)
+        return self.scatter(name) if floor is None else np.hypot(self.scatter(name), floor)
 
 
 @dataclass
@@ -141,9 +147,18 @@ class MeasurementSum:
         self._methods[NUMBER.sub("#", made.method)] = made.method
 
     def estimate(self) -> Estimate:
-        """Illuminance so far. (n,) [lx]"""
+        """Illuminance so far, with errors as far as more samples lower them. (n,) [lx]"""
         sums = self._sums
-        return Estimate(sums.mean("illuminance"), sums.error("illuminance"), self.samples)
+        return Estimate(sums.mean("illuminance"), sums.scatter("illuminance"), self.samples)
+
+    def rule_for_samples(self, rule: StopRule) -> StopRule:
+        """What is asked of samples, beside errors that more do not lower: a job that waited for these would not end."""
+        floor = self._sums.floor("illuminance")
+        if floor is None:
+            return rule
+        found = self.estimate()
+        shares = np.divide(floor, found.mean, out=np.zeros_like(floor), where=found.mean > 0.0)
+        return rule.beside_shares(shares, found)
 
     def merged(self, seed: int, seconds: float) -> Measurement:
         """The measurement that all chunks make together."""
@@ -263,6 +278,16 @@ class PictureSum:
     def error(self) -> float:
         """Of the picture, as of `Picture.relative_error`. [-]"""
         return relative_error(self.tristimulus()[..., 1], self._sums.error("luminance_error"))
+
+    def scatter(self) -> float:
+        """The same as far as more samples lower it. [-]"""
+        return relative_error(self.tristimulus()[..., 1], self._sums.scatter("luminance_error"))
+
+    def rule_for_samples(self, rule: StopRule) -> StopRule:
+        """As of `MeasurementSum.rule_for_samples`."""
+        floor = self._sums.floor("luminance_error")
+        bound = 0.0 if floor is None else relative_error(self.tristimulus()[..., 1], floor)
+        return rule.beside(bound) if math.isfinite(bound) else rule
 
     def tristimulus(self) -> np.ndarray:
         """The picture so far. (h, w, 3) [cd/m2]"""

@@ -137,9 +137,9 @@ class ClusterSession:
 
         for made in self._chunks("measure", ask, cut(rule, seed, grain), job):
             sums.add(made)
-            found = sums.estimate()
-            excess = excess_of(rule, found) if sums.samples >= BELIEVED else None
-            if job.is_done(sums.samples, found.relative_error(), excess):
+            found, asked = sums.estimate(), sums.rule_for_samples(rule)
+            excess = excess_of(asked, found) if sums.samples >= BELIEVED else None
+            if job.is_done(sums.samples, found.relative_error(), excess, asked):
                 break
         whole = self._marked(sums.merged(seed, job.clock.seconds))
         if not witness:
@@ -179,7 +179,7 @@ class ClusterSession:
         for made in self._chunks("render", ask, cut(rule, settings.seed, grain), job):
             sums.add(made)
             job.preview = sums.tristimulus
-            if job.is_done(sums.samples, sums.error()):
+            if job.is_done(sums.samples, sums.scatter(), None, sums.rule_for_samples(rule)):
                 break
         picture = self._marked(sums.merged(settings.seed, job.clock.seconds))
         if settings.spectral_file and picture.bands is not None:
@@ -361,8 +361,15 @@ class _Following:
         """Whether the rule's time is over."""
         return self.rule.seconds is not None and self.clock.seconds >= self.rule.seconds
 
-    def is_done(self, samples: int, error: float, excess: float | None = None) -> bool:
-        """Take note of a chunk, as of `Clock.is_done`."""
+    def is_done(
+        self,
+        samples: int,
+        error: float,
+        excess: float | None = None,
+        rule: StopRule | None = None,
+    ) -> bool:
+        """Take note of a chunk, as of `Clock.is_done`. ``rule``: what is asked of samples by now; None: all that is."""
+        self.clock.rule = rule or self.rule
         is_done = self.clock.is_done(samples, error, excess)
         self._state = self.clock.progress(samples, error)
         return is_done

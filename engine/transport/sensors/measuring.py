@@ -200,11 +200,7 @@ class _Measuring:
         if is_open:
             found = _find_open(self.scene, self.receivers, kind, bright)
             shares = np.hypot(shares, found / np.maximum(bright.mean, 1e-300))
-        # The square of an estimate is too large by that of its error.
-        square = (shares**2 * (bright.mean**2 - bright.standard_error**2)).mean()
-        mean = bright.mean.mean()
-        bound = np.sqrt(max(square, 0.0)) / mean if mean > 0.0 else spent
-        self.rule = self.clock.rule = asked.beside(float(bound), float(shares.max()))
+        self.rule = self.clock.rule = asked.beside_shares(shares, bright)
         self.clock.restart()
 
     def run(self, method: str, reflections: int | None) -> tuple[Estimate, str, tuple[str, ...]]:

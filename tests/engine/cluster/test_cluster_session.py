@@ -1,5 +1,7 @@
 """Jobs in chunks: the same bits in whatever order, right by closed forms and beside one machine."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from baking_rooms import furnished_room, lamp
@@ -107,6 +109,22 @@ def test_an_error_ends_the_job_at_the_same_chunk_for_all():
     np.testing.assert_array_equal(made[0].illuminance, made[1].illuminance)
     found = np.sqrt((made[0].standard_error ** 2).mean()) / made[0].illuminance.mean()
     assert found <= 0.01
+
+
+@pytest.mark.parametrize(
+    "rule", [StopRule(error=0.02), StopRule(each=0.02), StopRule(limits=(1.0,) * len(PLACES))]
+)
+def test_a_job_ends_where_samples_do_not_lower_what_is_left(rule):
+    """A file of rays that leaves ten times as much open as is asked: readings say so, and end."""
+    from ray_lamps import lamp_at
+
+    led = lamp_at(LAMP)
+    led = replace(led, rays=replace(led.rays, information_error=0.2))
+    made = measure(session_of(SceneDelta(changed=(box(2, 2, 2), paint(0.5), led))), rule)
+    assert (made.floors > 0.02 * made.illuminance).all()
+    assert (made.standard_error >= made.floors).all()
+    scatter = np.sqrt(made.standard_error**2 - made.floors**2)
+    assert np.sqrt((scatter**2).mean()) <= 0.02 * made.illuminance.mean()
 
 
 def test_the_witness_looks_at_the_whole():

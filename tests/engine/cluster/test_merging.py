@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.cluster.merging import CoefficientSum, MeasurementSum, Origins, PictureSum
 from lumenray.engine.daylight.coefficients import DaylightCoefficients
 from lumenray.engine.measurements import Measurement
@@ -44,6 +45,20 @@ def test_what_more_samples_do_not_lower_stays():
     made = merged(*[measured(100.0, np.hypot(2.0, 1.5), 1000, floor=1.5)] * 16)
     assert made.standard_error == pytest.approx(np.hypot(0.5, 1.5))
     assert made.floors == pytest.approx(1.5)
+
+
+def test_samples_are_asked_beside_what_they_do_not_lower():
+    sums = MeasurementSum()
+    for _ in range(16):
+        sums.add(measured(100.0, np.hypot(2.0, 0.6), 1000, floor=0.6))
+    assert sums.estimate().standard_error == pytest.approx(0.5)
+    rule = sums.rule_for_samples(StopRule(error=0.01, each=0.01))
+    assert (rule.error, rule.each) == pytest.approx((0.008, 0.008), rel=1e-4)
+    plain, dark = MeasurementSum(), MeasurementSum()
+    plain.add(measured(100.0, 2.0, 1000))
+    dark.add(measured(0.0, 2.0, 1000, floor=2.0))
+    for other in (plain, dark):
+        assert other.rule_for_samples(StopRule(error=0.01)) == StopRule(error=0.01)
 
 
 def test_errors_hold_what_means_differ_by():
@@ -124,6 +139,12 @@ def test_pictures_are_means():
     by_chance = (0.3**2 - 0.2**2) * (0.25**2 + 0.75**2)
     assert made.luminance_error == pytest.approx(np.sqrt(by_chance + 0.2**2), rel=1e-5)
     assert made.luminance_floor == pytest.approx(0.2)
+    # Samples make up for what they do not lower, and are not waited for beyond that.
+    share = sums.scatter() / sums.error()
+    assert share == pytest.approx(np.sqrt(by_chance / (by_chance + 0.2**2)), rel=1e-5)
+    lasting = 0.2 / np.sqrt(by_chance + 0.2**2) * sums.error()
+    asked = sums.rule_for_samples(StopRule(error=1.5 * lasting)).error
+    assert asked == pytest.approx(np.sqrt(1.5**2 - 1.0) * lasting, rel=1e-5)
     assert made.tristimulus.dtype == np.float32
     assert made.illuminance is None
     np.testing.assert_array_equal(made.normal, parts[0].normal)
