@@ -83,12 +83,15 @@ class StopRule:
         shares : (n,) array    [-]
         made : Estimate    The values, by few samples at least, with the errors by these alone. (n,)
         """
-        mean = float(made.mean.mean())
-        if not shares.any() or not mean > 0.0:
+        if not shares.any():
             return self
+        mean, largest = float(made.mean.mean()), float(shares.max())
+        if not mean > 0.0:
+            # Nothing was found yet that could weigh them.
+            return self.beside(largest)
         # The square of an estimate is too large by that of its error.
         square = float((shares**2 * (made.mean**2 - made.standard_error**2)).mean())
-        return self.beside(math.sqrt(max(square, 0.0)) / mean, float(shares.max()))
+        return self.beside(math.sqrt(max(square, 0.0)) / mean, largest)
 
     def shortfall(self, relative: float, absolute: float = math.inf, each: float = math.inf) -> str:
         """Say which error was wanted and not reached, because samples or time ended before, or more samples do not lower it.

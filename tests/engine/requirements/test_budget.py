@@ -2,8 +2,10 @@
 
 import math
 
+import numpy as np
 import pytest
 
+from lumenray.engine.accuracy.estimate import Estimate
 from lumenray.engine.accuracy.stopping import StopRule
 from lumenray.engine.requirements.budget import left_to_samples, tell_parts
 
@@ -40,3 +42,9 @@ def test_rules_leave_room_for_the_whole_and_for_every_value():
     assert (rule.error, rule.each) == pytest.approx((0.008, 0.012))
     assert StopRule(error=0.01, each=0.01).beside(0.006).each == pytest.approx(0.008)
     assert StopRule(samples=3).beside(0.006) == StopRule(samples=3)
+
+
+def test_shares_count_before_any_light_is_found():
+    dark = Estimate(np.zeros(3), np.zeros(3), 16)
+    rule = StopRule(error=0.01).beside_shares(np.full(3, 0.006), dark)
+    assert rule.error == pytest.approx(0.008)
