@@ -1,4 +1,4 @@
-"""How good the forecast is of the time that a picture still takes."""
+"""How good the forecast is of the time that a picture, or a measurement at sensors, still takes."""
 
 import math
 from dataclasses import replace
@@ -15,48 +15,60 @@ TAKEN_AT = 0.1
 SHRINK = 4
 """By which these pictures are narrower and lower: a tenth of the time has to hold enough samples for a forecast."""
 
-TRIAL = 64
-"""Samples per pixel of the run that tells how long others take."""
+TRIAL, SENSOR_TRIAL = 64, 2048
+"""Samples per pixel, and per sensor, of the run that tells how long others take."""
 
 LONGER = (2.0, 16.0)
 """Least and most that the others are longer than that."""
 
-SHARE = 1.0 / 8.0
+SHARE = 1.0 / 2.0
 """Of the budget that each of them may take."""
 
 FIRST_SEED = 700_000
 
 
-def measure_forecasts(scene: PictureScene, budget: float, say) -> list[dict]:
-    """Render a small picture of a scene down to an error.
+def measure_forecasts(scene: PictureScene, budget: float, say) -> tuple[list[dict], list[dict]]:
+    """Render a small picture of a scene, and measure at its sensors, down to an error.
 
     Returns
     -------
-    list of dict    See `judge_forecast`, with ``target`` [-].
+    (list of dict, list of dict)    Of pictures and of sensors: see `judge_forecast`, with ``target`` [-].
     """
-    rows = _follow(scene, budget)
-    told = ", ".join("none" if each["share"] is None else f"x {each['share']:.2f}" for each in rows)
-    say(f"forecast over true time: {told}")
-    return rows
-
-
-def _follow(scene: PictureScene, budget: float) -> list[dict]:
     camera = scene.camera
     small = (max(camera.width // SHRINK, 1), max(camera.height // SHRINK, 1))
     ours = Lumenray(replace(scene, camera=resize(camera, small)), OURS)
+
+    def render(rule: StopRule, seed: int, progress) -> tuple[float, float]:
+        made = ours.follow(rule, seed, progress)
+        return made.stated, made.seconds
+
+    made = []
+    for name, trial, run in (
+        ("pictures", TRIAL, render),
+        ("sensors", SENSOR_TRIAL, Lumenray(scene, OURS).measure),
+    ):
+        made.append(_follow(run, trial, budget))
+        told = ["none" if each["share"] is None else f"x {each['share']:.2f}" for each in made[-1]]
+        say(f"forecast over true time, {name}: {', '.join(told)}")
+    return tuple(made)
+
+
+def _follow(run, samples: int, budget: float) -> list[dict]:
+    """Forecasts of a kind of jobs. ``run(rule, seed, progress)``: does one; returns its error and the seconds."""
     # The first one makes kernels.
-    trial = min(
-        (ours.render(TRIAL, FIRST_SEED + k) for k in range(2)), key=lambda made: made.seconds
-    )
-    longer = min(max(SHARE * budget / trial.seconds, LONGER[0]), LONGER[1])
-    target = trial.stated / math.sqrt(longer)
+    tries = [
+        run(StopRule(samples=samples), FIRST_SEED + k, lambda *state: None) for k in range(2)
+    ]
+    error, seconds = min(tries, key=lambda each: each[1])
+    longer = min(max(SHARE * budget / seconds, LONGER[0]), LONGER[1])
+    target = error / math.sqrt(longer)
     rows = []
     for number in range(2, ROUNDS + 2):
         states: list[tuple[float, float]] = []
-        made = ours.follow(
+        _, seconds = run(
             StopRule(error=target), FIRST_SEED + number, lambda *state, to=states: to.append(state)
         )
-        rows.append({"target": target} | judge_forecast(states, made.seconds))
+        rows.append({"target": target} | judge_forecast(states, seconds))
     return rows
 
 

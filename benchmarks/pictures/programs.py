@@ -30,6 +30,9 @@ TASK = Path(__file__).with_name("cycles_picture.py")
 PATIENCE = 3600.0
 """Longest that Cycles may take for one picture. [s]"""
 
+FEWEST = 16
+"""Samples by which one gets it compiled before sensors' time counts."""
+
 GLANCE = (8, 5)
 """Size of the picture by which a session gets its scene compiled before the time counts. [pixel]"""
 
@@ -111,6 +114,30 @@ class Lumenray:
         linear = scene_linear(picture.tristimulus, 1.0)
         luminance = picture.tristimulus[..., 1]
         return Made(linear, luminance, seconds, float(picture.relative_error))
+
+    def measure(self, rule: StopRule, seed: int, progress: Callable) -> tuple[float, float]:
+        """Measure at the scene's sensors by a rule; ``progress`` as of `follow`.
+
+        Returns
+        -------
+        (float, float)    Relative error by which the rule stops, and the seconds.
+        """
+        places, normals = self._scene.sensors
+        session = Session()
+        session.apply(SceneDelta(changed=self._scene.items))
+        # Compiles the scene for what is asked.
+        session.measure(places, normals, replace(rule, samples=FEWEST), seed)
+        begin = stopping.read_clock()
+
+        errors = []
+
+        def tell(state):
+            errors.append(state.relative_error)
+            if state.seconds_left is not None:
+                progress(stopping.read_clock() - begin, state.seconds_left)
+
+        session.measure(places, normals, rule, seed, progress=tell)
+        return errors[-1], stopping.read_clock() - begin
 
     def close(self) -> None:
         """Nothing is left running."""

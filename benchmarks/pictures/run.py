@@ -104,8 +104,8 @@ def measure_scene(
     Returns
     -------
     row : dict    ``key``, ``title``, ``size``, ``budget``, ``programs``: see `race.race`, or ``refusal``; ``bias``: see
-        `bias.measure_bias`, None where there is one way only, or races only; ``forecasts``, ``stand_ins``, ``pair``,
-        ``seconds``, ``other_load``.
+        `bias.measure_bias`, None where there is one way only, or races only; ``forecasts`` and
+        ``sensor_forecasts``: see `forecast.measure_forecasts`; ``stand_ins``, ``pair``, ``seconds``, ``other_load``.
     pair : list of `programs.Made` or None    Ours and Cycles' at equal time.
     """
     from .bias import measure_bias
@@ -131,7 +131,7 @@ def measure_scene(
             made, pictures = race(programs, budget, say)
             pair = pair_at_equal_time(pictures, (OURS, CYCLES)) if CYCLES in pictures else None
             del pictures
-            forecasts = [] if only_races else measure_forecasts(scene, budget, say)
+            forecasts = ([], []) if only_races else measure_forecasts(scene, budget, say)
             has_bias = has_methods() and not only_races
             bias = measure_bias(ours, plain, made[BEFORE], budget, say) if has_bias else None
         share = load.share()
@@ -145,7 +145,8 @@ def measure_scene(
         "budget": budget,
         "programs": made | refusals,
         "bias": bias,
-        "forecasts": forecasts,
+        "forecasts": forecasts[0],
+        "sensor_forecasts": forecasts[1],
         "stand_ins": sorted(scene.stand_ins),
         "pair": None if pair is None else [each.seconds for each in pair],
         "seconds": round(time.perf_counter() - begin, 1),

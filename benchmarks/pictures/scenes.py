@@ -14,6 +14,9 @@ from ..common.office import load_office
 SIZE = (640, 400)
 """Width and height. [pixel]"""
 
+SENSORS = (12, 8)
+"""Across and along a plane."""
+
 
 @dataclass(frozen=True, eq=False)
 class PictureScene:
@@ -25,6 +28,7 @@ class PictureScene:
     items : tuple    Of the engine.
     camera : Camera
     stand_ins : dict of str to Surface    For programs that do not know the surface of a material, by its id.
+    plane : (3, 3) array    Where sensors measure: a corner of a rectangle and its edges. [m]
     """
 
     key: str
@@ -32,6 +36,17 @@ class PictureScene:
     items: tuple
     camera: Camera
     stand_ins: dict
+    plane: np.ndarray
+
+    @property
+    def sensors(self) -> tuple[np.ndarray, np.ndarray]:
+        """Places of sensors over the plane, row by row, and their normals. (n, 3) each"""
+        corner, across, up = self.plane
+        steps = [(np.arange(count) + 0.5) / count for count in SENSORS]
+        v, u = (each.reshape(-1, 1) for each in np.meshgrid(*steps[::-1], indexing="ij"))
+        places = corner + u * across + v * up
+        normal = np.cross(across, up)
+        return places, np.tile(normal / np.linalg.norm(normal), (len(places), 1))
 
     @property
     def known_items(self) -> tuple:
@@ -62,22 +77,32 @@ def look(place, at, width: float) -> Camera:
     return resize(Camera(frame, Projection.PERSPECTIVE, *SIZE, extent_x=width), SIZE)
 
 
+def _plane(corner, across: float, along: float) -> np.ndarray:
+    """A horizontal one. [m]"""
+    return np.array([corner, (across, 0.0, 0.0), (0.0, along, 0.0)])
+
+
 def build_office() -> PictureScene:
     """Bundled office by its own camera."""
     office = load_office()
-    return PictureScene("office", "Office", office.items, office.camera, {})
+    plane = _plane((0.5, 0.4, 0.85), 2.6, 2.6)
+    return PictureScene("office", "Office", office.items, office.camera, {}, plane)
 
 
 def build_cabin() -> PictureScene:
     """Cabin whose lamps shine at the ceiling alone, from the aisle."""
     camera = look((11.7, 0.25, 1.5), (6.0, -0.1, 0.45), 1.7)
-    return PictureScene("cabin", "Cabin lit only indirectly", interiors.build_cabin(), camera, {})
+    plane = _plane((1.0, -1.2, 1.2), 10.0, 2.4)
+    title = "Cabin lit only indirectly"
+    return PictureScene("cabin", title, interiors.build_cabin(), camera, {}, plane)
 
 
 def build_hall() -> PictureScene:
     """Hall with 120 luminaires from a corner above the floor."""
     camera = look((0.6, 0.6, 3.2), (13.0, 9.0, 1.2), 1.6)
-    return PictureScene("hall", "Hall with 120 luminaires", interiors.build_hall(), camera, {})
+    plane = _plane((1.0, 1.0, 2.2), 22.0, 14.0)
+    title = "Hall with 120 luminaires"
+    return PictureScene("hall", title, interiors.build_hall(), camera, {}, plane)
 
 
 TO_SUN = (0.25, 0.75, 0.55)
@@ -97,20 +122,24 @@ def build_window() -> PictureScene:
     sky = replace(items[-1], towards_sun=np.array(TO_SUN))
     camera = look((5.6, 0.3, 1.7), (2.2, 3.4, 0.9), 1.5)
     title = "Sunlit room through a small window"
-    return PictureScene("window", title, (*items[:-1], sun, sky), camera, {})
+    plane = _plane((0.8, 0.5, 0.85), 4.7, 3.0)
+    return PictureScene("window", title, (*items[:-1], sun, sky), camera, {}, plane)
 
 
 def build_glass() -> PictureScene:
     """Table with glass and mirrors under a small lamp."""
     camera = look((0.25, -1.5, 1.5), (0.0, 0.05, 0.72), 0.95)
-    return PictureScene("glass", "Glass and caustics", still_lifes.build_glass(), camera, {})
+    plane = _plane((-0.6, -0.35, 1.2), 1.2, 0.7)
+    return PictureScene("glass", "Glass and caustics", still_lifes.build_glass(), camera, {}, plane)
 
 
 def build_product() -> PictureScene:
     """Product of measured paints."""
     items, stand_ins = still_lifes.build_product()
     camera = look((0.35, -2.0, 0.95), (0.1, 0.0, 0.44), 0.8)
-    return PictureScene("product", "Product with measured paints", items, camera, stand_ins)
+    plane = _plane((-0.9, -1.2, 0.02), 2.1, 0.7)
+    title = "Product with measured paints"
+    return PictureScene("product", title, items, camera, stand_ins, plane)
 
 
 BUILDERS: dict[str, Callable[[], PictureScene]] = {

@@ -2,6 +2,7 @@
 
 import math
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -203,16 +204,36 @@ SLOWEST, FASTEST = 0.4, 0.9
 """Bounds on the power of the samples by which an error is believed to go on falling: 1/2 for plain Monte Carlo.
 Well-distributed samples make it fall faster at first, but by 3/4 only in the end where the integrand has edges."""
 
-SUPPOSED, SUPPORT = 0.5, 0.5
-"""What it is thought to be before passes span `BASELINE`, and how much that counts, as a sum of squares of logarithms of
-ratios of samples."""
+WINDOW, STEP = 64.0, 1.2
+"""Ratio of samples over which that power is taken at most, as what was long ago says little, and ratio between passes of
+which note is taken."""
 
-BASELINE, WINDOW, STEP = 3.9, 64.0, 1.2
-"""Ratio of samples over which that power is taken, at least, as nearer ones differ by noise, and at most, as what was long
-ago says little; and ratio between passes of which note is taken."""
 
-UNLIKE = 2.0
-"""Ratio of the longest to the shortest pass, in samples, from which on what each takes beside them is told apart."""
+@dataclass(frozen=True)
+class Fall:
+    """How the error of a kind of jobs is supposed to fall.
+
+    Parameters
+    ----------
+    power : float    Of the samples. [-]
+    support : float    How much that counts beside what passes tell, as a sum of squares of logarithms of ratios of samples.
+    begins : float    Ratio of samples that passes have to span before anything is foretold.
+    ends : float    Such a ratio from which on what passes tell counts alone.
+    """
+
+    power: float = 0.5
+    support: float = 0.5
+    begins: float = 1.0
+    ends: float = 3.9
+
+
+PLAIN = Fall()
+"""Of independent samples."""
+
+
+FEWEST, UNLIKE = 3, 2.0
+"""Passes, and ratio of the longest to the shortest of them in samples, from which on what each takes beside its samples is
+told apart."""
 
 LONGEST = 100.0
 """Logarithm of most samples that are foretold."""
@@ -237,25 +258,30 @@ class Clock:
     rule : StopRule
     stage : str    What is being done.
     foresees : bool    Whether the job foresees its samples, so that none are foretold before it does.
+    fall : Fall
 
     Attributes
     ----------
     grain : int    Samples of the passes to come; the job ends with one of them. 0: it may end anywhere.
+    after : callable or None    How many samples as the job makes them what comes after it is worth, by those it ends with.
 
     Raises
     ------
     SceneError    The rule names an error in lux, which is for lux maps: their `forecast.Forecaster` knows it.
     """
 
-    def __init__(self, rule: StopRule, stage: str = "", foresees: bool = False):
+    def __init__(
+        self, rule: StopRule, stage: str = "", foresees: bool = False, fall: Fall = PLAIN
+    ):
         self.grain = 0
+        self.after: Callable[[float], float] | None = None
         if rule.absolute is not None:
             raise SceneError(
                 "an error in lux of the whole stops lux maps only: give a relative error, an error of "
                 "every value, a number of samples or a time"
             )
         self.rule = rule
-        self.stage, self._foresees = stage, foresees
+        self.stage, self._foresees, self._fall = stage, foresees, fall
         self._start = read_clock()
         # Samples, error of the whole and error over what is allowed, infinite where it is not believed, after passes that
         # lie apart; and the present state, once it is.
@@ -283,10 +309,15 @@ class Clock:
     def samples_needed(self) -> float | None:
         """Samples with which the rule will be met by number or error; None while nothing can be said."""
         needed = [] if self.rule.samples is None else [float(self.rule.samples)]
-        if self._present is not None and (self._foreseen or not self._foresees):
+        if self._present is not None and (self._foreseen or self._can_tell):
             least, most = self._foreseen or (0.0, math.inf)
             needed.append(self._to_whole_passes(min(max(self._samples_needed(), least), most)))
         return min(needed, default=None)
+
+    @property
+    def _can_tell(self) -> bool:
+        """Whether passes tell how many samples are needed."""
+        return not self._foresees and self._present[0] >= self._fall.begins * self._history[0][0]
 
     def restart(self) -> None:
         """Forget how the error has fallen: from now on samples are others. Time goes on."""
@@ -307,6 +338,10 @@ class Clock:
         if needed is not None and samples > 0:
             ends.append(self._seconds_until(needed, samples, seconds))
         left = max(min(ends), 0.0) if ends else None
+        if left is not None and samples > 0 and self.after is not None:
+            each = self._pace(samples, seconds)[1]
+            end = samples + (left / each if each > 0.0 else 0.0)
+            left += each * self.after(end)
         done = 0.0
         if left is not None:
             done = seconds / (seconds + left) if seconds + left > 0.0 else 1.0
@@ -351,18 +386,29 @@ class Clock:
         more = end - samples
         if more <= 0.0:
             return 0.0
-        passes = np.diff(np.array(self._times, dtype=np.float64).reshape(-1, 2), axis=0)
-        passes = passes[(passes > 0.0).all(axis=1)]
-        if len(passes) < 2 or passes[:, 0].max() < UNLIKE * passes[:, 0].min():
-            return more * self._seconds_each(samples, seconds)
-        single, each = _fit_passes(*passes.T)
-        before, last = passes[-2:, 0]
+        single, each = self._pace(samples, seconds)
+        if single == 0.0:
+            return more * each
+        before, last = self._passes()[-2:, 0]
         many = more / last
         if last > before:
             # Passes grow: as many as it takes if all that is done grows by each as it did by the last one.
             done = self._times[-1][0]
             many = math.log(end / samples) / math.log(done / (done - last))
         return more * each + single * many
+
+    def _pace(self, samples: int, seconds: float) -> tuple[float, float]:
+        """What a pass takes beside its samples, 0 where that is not told apart, and what each of them takes. [s]"""
+        passes = self._passes()
+        if len(passes) < FEWEST or passes[:, 0].max() < UNLIKE * passes[:, 0].min():
+            return 0.0, self._seconds_each(samples, seconds)
+        return _fit_passes(*passes.T)
+
+    def _passes(self) -> np.ndarray:
+        """Samples and seconds of passes but the first. (n, 2)"""
+        times = [each for each in self._times if each[0] > 0]
+        passes = np.diff(np.array(times, dtype=np.float64).reshape(-1, 2), axis=0)
+        return passes[(passes > 0.0).all(axis=1)]
 
     def _seconds_each(self, samples: int, seconds: float) -> float:
         """What a sample takes, by the later half of them. [s]"""
@@ -383,8 +429,9 @@ class Clock:
         samples, whole, excess = (np.log([entry[k] for entry in entries]) for k in range(3))
         one, along, fallen = (_independent(each, samples) for each in (samples**0, samples, whole))
         apart = along - one * float(one @ along) / float(one @ one)
-        support = 0.0 if samples[-1] - samples[0] >= math.log(BASELINE) else SUPPORT
-        power = SUPPOSED * support - float(apart @ fallen)
+        is_alone = samples[-1] - samples[0] >= math.log(self._fall.ends)
+        support = 0.0 if is_alone else self._fall.support
+        power = self._fall.power * support - float(apart @ fallen)
         power = min(max(power / (support + float(apart @ apart)), SLOWEST), FASTEST)
         # Errors of single values are not believed from the first pass on.
         is_known = np.isfinite(excess)

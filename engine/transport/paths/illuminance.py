@@ -1,5 +1,6 @@
 """The illuminance job: many receivers, many passes, independent groups, cancellable between launches."""
 
+import math
 from dataclasses import dataclass, replace
 
 import drjit as dr
@@ -17,7 +18,7 @@ from ...accuracy.need import (
     wanted_for_all,
     wanted_for_each,
 )
-from ...accuracy.stopping import Clock, StopRule, excess_of, excesses_of
+from ...accuracy.stopping import Clock, Fall, StopRule, excess_of, excesses_of
 from ...accuracy.uneven_sums import HALVES, UnevenSums
 from ...arrays import upload
 from ...errors import Cancelled, SceneError
@@ -45,9 +46,12 @@ SNAP_DISTANCE = 1e-4
 """Sensors that lie less than this below a surface are taken to lie on it, in scenes of 1 m and more; in smaller ones this
 is a share of the radius. [m]"""
 
-FIRST_SHARE, FIRST_SAMPLES = 64, 64
+FIRST_SHARE, FIRST_SAMPLES = 64, 8
 """Part of a whole pass that the first one makes, and its fewest samples; the next ones double what there is. They tell how
 the error falls, so that a forecast can be made soon."""
+
+FALL = Fall(power=0.58, support=3.0, begins=4.0, ends=math.inf)
+"""How the error falls where well-distributed points meet edges, which passes of few samples show only roughly."""
 
 LATER_SHARE, GROWTH = 4, 8
 """Least part of a whole pass that later ones make, and the part of all samples so far, both as their inverse."""
@@ -199,7 +203,7 @@ def compute(
     job = _Job(scene, receivers, groups, seed, reflections, colour, known)
     whole = _batch(total * groups, rule, groups)
     least = whole if total < MANY else min(max(whole // LEAST_SHARE, FEWEST_OF_GROUP), whole)
-    clock = Clock(rule, STAGE) if clock is None else clock
+    clock = Clock(rule, STAGE, fall=FALL) if clock is None else clock
     order = order_by_place(receivers.positions, receivers.normals) if by_need else None
     error = float("inf")
     while True:

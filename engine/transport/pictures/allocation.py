@@ -113,7 +113,11 @@ class Allocation:
         return dict(zip(kinds, added, strict=True))
 
     def foresee(
-        self, squares: dict[int, np.ndarray], errors: dict[int, np.ndarray], goal: float
+        self,
+        squares: dict[int, np.ndarray],
+        errors: dict[int, np.ndarray],
+        goal: float,
+        powers: dict[int, float] | None = None,
     ) -> float:
         """Samples at which the error will have come down to a goal, if those who need them most are doubled.
 
@@ -122,6 +126,7 @@ class Allocation:
         squares : dict    As of `choose`: they tell who is doubled.
         errors : dict    Squares of the errors that count, alike.
         goal : float    What the errors' sum over the kinds has to come to on the mean of the pixels.
+        powers : dict or None    Of the samples by which these squares fall, by kind; None: as one over the samples. [-]
 
         Returns
         -------
@@ -137,12 +142,18 @@ class Allocation:
         left /= len(self.tile)
         worth = np.stack([self._spread(squares[kind]) * shares for kind in self.costs])
         worth = np.log2(np.maximum(worth, 1e-300)) - np.log2(np.maximum(price, 1e-300))
+        falls = np.array([[(powers or {}).get(kind, 1.0)] for kind in self.costs])
 
         def after(least: float) -> tuple[float, float]:
             """Errors and samples once nothing is worth more than two to the power of the least."""
-            # Each doubling halves the square and doubles its price.
-            doublings = np.maximum(np.ceil(0.5 * (worth - least)), 0.0)
-            return float((left * 2.0**-doublings).sum()), float((price * 2.0**doublings).sum())
+            # Each doubling lowers the square and doubles its price.
+            doublings = np.maximum(np.ceil((worth - least) / (1.0 + falls)), 0.0)
+            samples = float((price * 2.0**doublings).sum())
+            if self._floors.any():
+                floors = np.maximum(self._floors[:, None] * samples / counts, 1.0)
+                doublings = np.maximum(doublings, np.ceil(np.log2(floors)))
+                samples = float((price * 2.0**doublings).sum())
+            return float((left * 2.0 ** -(falls * doublings)).sum()), samples
 
         high = float(worth.max())
         far = after(high)

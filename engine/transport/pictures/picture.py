@@ -20,6 +20,7 @@ from ..paths.film import GROUPS, MAXIMUM_PIXELS, Film, learn_lights, look
 from ..paths.first_layers import first_layers
 from ..paths.guides import trace_guides
 from .allocation import Allocation
+from .foresight import Foresight
 from .kept_cells import KeptCells
 from .pixel_light import CORRECTION, COSTS, FLOORS, STEERING, VIEW, PixelLight
 from .sharing import Shared, find_sharing
@@ -47,15 +48,6 @@ BELIEVED = 8
 
 FORETOLD = 16
 """Samples per pixel from which on it is foretold how many will be needed: of fewer it is not known where they will go."""
-
-POWER, STEEPEST, SHALLOWEST, SUPPORT = -0.06, -0.2, 0.15, 1.5
-"""Power of the samples by which the square of the error falls beside that of independent ones, as low-discrepancy points do
-better the more there are: what is supposed of kinds that are sampled apart, the steepest that is believed, the shallowest
-where pixels share light, which they do less and less, and how much the supposed one counts, as a sum of squares of
-logarithms of ratios of samples."""
-
-FORETOLD_LEFT = 0.45
-"""Power of the part of the noise that sharing leaves now, which stands for what it will leave: 1 would be as now, 0 all."""
 
 DARK = 1 << 20
 """Samples of a whole picture that have found no light at all, after which it is known to be dark."""
@@ -230,8 +222,9 @@ class _Passes:
         squares = (len(STEERING), GROUPS, self.pixels)
         self.squares = {kind: np.zeros(squares, dtype=np.float32) for kind in light.kinds}
         self.error = float("inf")
-        # Samples, and the square of the error over that by which single samples scatter.
-        self._parts_of_scatter: list[tuple[float, float]] = []
+        self.foresight = None
+        if self.rule.error is not None:
+            self.foresight = Foresight(self.allocation, GROUPS, self.rule.error)
         self.traced = None if traced is None else TracedLight(traced, light.channels, shape)
         self._sharing = self._caught = None
         if shares:
@@ -264,8 +257,8 @@ class _Passes:
                 self._report(estimate.mean[:, :3])
                 return self._finish(estimate)
             squares = self._squares(estimate.mean[:, 1])
-            if self.rule.error is not None and self.samples >= FORETOLD:
-                self.clock.foresee(*self._foresee(whole[..., 1], squares))
+            if self.foresight is not None and self.allocation.samples > EVEN:
+                self._foresee(whole[..., 1], squares)
             self._report(estimate.mean[:, :3])
             if self.allocation.samples < EVEN <= self._left:
                 added = self.allocation.double()
@@ -341,11 +334,8 @@ class _Passes:
             found[VIEW] = found[VIEW] + self._scatter(VIEW, 1).mean(axis=0) / _scale(lux) ** 2
         return found
 
-    def _scatter(self, kind: int, number: int, power: float = 1.0) -> np.ndarray:
-        """Variance of the mean of a kind's samples, of one of `STEERING`, as those of each half scatter. (2, n)
-
-        ``power``: of the part that sharing leaves of it; 0: as if nothing was shared.
-        """
+    def _scatter(self, kind: int, number: int) -> np.ndarray:
+        """Variance of the mean of a kind's samples, of one of `STEERING`, as those of each half scatter. (2, n)"""
         count = self.allocation.of_pixels(kind)
         mean = self._mean(kind, STEERING[number])
         around = np.maximum(self.squares[kind][number] / count - mean**2, 0.0)
@@ -353,54 +343,21 @@ class _Passes:
         if kind == VIEW and number == 0:
             scatter = scatter + self.light.channels.scatter_of_catchers(self._mean(kind), count)
         if self._shared is not None and number == 0 and kind in self._shared.left:
-            scatter *= self._shared.left[kind] ** power
+            scatter *= self._shared.left[kind]
         return scatter
 
-    def _foresee(self, halves: np.ndarray, squares: dict[int, np.ndarray]) -> tuple[float, float]:
-        """Least and most samples at which the error will be the wanted one.
-
-        A pixel that a bright sample has met by chance is bright itself, and its error relative to it is small. So the error
-        of few samples is too small, and falls more slowly than it will: least. Relative to what the other half shows the
-        scatter of a half is not, but where such samples are rare this goes on to the end, and the error stays small: most.
-        Least is halfway between both.
-
-        ``halves``: luminance, (2, n). [cd/m2] ``squares``: as of `_squares`.
-        """
-        scale = _scale(halves.mean(axis=0))
-        others = np.stack([_scale(each) for each in halves[::-1]])
-        # With more samples sharing leaves more of it than now, and all at most.
-        scatter = {kind: self._scatter(kind, 0, FORETOLD_LEFT) for kind in self.sums}
-        own, other = (
-            {kind: (each / by**2).mean(axis=0) for kind, each in scatter.items()}
-            for by in (scale, others)
+    def _foresee(self, halves: np.ndarray, squares: dict[int, np.ndarray]) -> None:
+        """Tell the clock how many samples are needed. ``halves``: luminance, (2, n) [cd/m2]; ``squares``: as of `_squares`."""
+        scales = _scale(halves.mean(axis=0)), np.stack([_scale(each) for each in halves[::-1]])
+        scatter = {kind: self._scatter(kind, 0) for kind in self.sums}
+        own, others = (
+            {kind: (each / scale**2).mean(axis=0) for kind, each in scatter.items()}
+            for scale in scales
         )
-        now, end = float(sum(own.values()).mean()), float(self.samples)
-        if not (now > 0.0 and 0.0 < self.error < np.inf):
-            return end, end
-        # Well-distributed points err less than single samples scatter; the noise of cells comes on top.
-        self._parts_of_scatter.append((end, self.error**2 / now))
-        samples, parts = np.array(self._parts_of_scatter).T
-        power = self._power(np.log(samples), np.log(parts))
-        # By all passes: where few pixels make most of the error, the difference of the halves is much by chance.
-        part = float((parts * (end / samples) ** power).mean())
-        found = sorted(self._end_of(squares, errors, part, power) for errors in (own, other))
-        return float(np.sqrt(found[0] * found[1])), found[1]
-
-    def _end_of(self, squares, errors, part: float, power: float) -> float:
-        """Samples at which so large a part of the errors, which changes by a power of them, is the wanted one."""
-        end = float(self.samples)
-        for _ in range(2):
-            goal = self.rule.error**2 / (part * (end / self.samples) ** power)
-            end = GROUPS * self.allocation.foresee(squares, errors, goal)
-            end = max(end, self.samples * (1.0 + LEAST))
-        return end
-
-    def _power(self, samples: np.ndarray, parts: np.ndarray) -> float:
-        """Power of the samples by which parts of the scatter fall, from the logarithms of both."""
-        samples = samples - samples.mean()
-        supposed = POWER if len(self.sums) > 1 else 0.0
-        power = (SUPPORT * supposed + samples @ parts) / (SUPPORT + samples @ samples)
-        return float(np.clip(power, STEEPEST, 0.0 if self._shared is None else SHALLOWEST))
+        self.foresight.note(own, self.error)
+        span = self.foresight.span(squares, own, others)
+        if self.samples >= FORETOLD and span is not None:
+            self.clock.foresee(*span)
 
     def _pass(self, added: dict[int, np.ndarray]) -> None:
         cells, allocation = self.light.cells, self.allocation

@@ -16,12 +16,13 @@ from ..light_tracing.bright_spots import bright_spots
 from ..light_tracing.known_directions import KnownDirections
 from ..light_tracing.near_rays import near_rays
 from ..paths import gather
-from ..paths.illuminance import STAGE, Receivers, compute, finish
+from ..paths.illuminance import FALL, STAGE, Receivers, compute, finish
 from ..paths.light_learning import learn
 from ..paths.spectral_meter import band_edges
 from ..paths.visible_surfaces import Sight
 from ..pictures.view_cells import Division, ViewCells
-from ..witness.sensors import SensorTestimony, hear_sensors
+from ..witness.sensors import STAGE as WITNESS_STAGE
+from ..witness.sensors import SensorTestimony, expect_work, hear_sensors
 from .cell_job import CellJob
 from .file_errors import find_file_errors, has_open_files
 from .lateness import ENDLESS, late_bounds
@@ -90,6 +91,10 @@ def measure(
         bright_spots(scene, *seen),
     ):
         made = _Measuring(scene, receivers, rule, seed, colour, progress, cancelled)
+        # Lamps at one place and nothing else: no path from them meets anything.
+        witness = witness and len(receivers.start) > 0 and scene.radius > 0.0
+        if witness:
+            made.clock.after = lambda samples: expect_work(samples, len(receivers.start))
         made.leave_room(kind, reflections)
         estimate, decision, more = made.run(method, reflections)
         blur = find_blur(
@@ -102,8 +107,8 @@ def measure(
             wider, late = late_bounds(scene, receivers, bright, seed, cancelled)
             estimate = estimate.widened((spent + wider) * bright.mean)
             more = (*more, *late)
-        # Lamps at one place and nothing else: no path from them meets anything.
-        if witness and len(estimate.mean) and scene.radius > 0.0:
+        if witness:
+            made.tell(WITNESS_STAGE, estimate)
             bright = estimate.channel(1) if colour else estimate
             asked = positions, normals, kind, bright, seed, reflections, cancelled
             heard = hear_sensors(scene, *asked)
@@ -181,7 +186,7 @@ class _Measuring:
     def __init__(self, scene, receivers: Receivers, rule, seed, colour, progress, cancelled):
         self.scene, self.receivers, self.rule, self.seed = scene, receivers, rule, seed
         self.colour, self.progress, self.cancelled = colour, progress, cancelled
-        self.clock = Clock(rule, STAGE)
+        self.clock = Clock(rule, STAGE, fall=FALL)
         known = KnownDirections(scene, receivers, seed, rule.samples, cancelled)
         self.known = known if known.is_useful else None
         self.reads_cells = False
@@ -202,6 +207,13 @@ class _Measuring:
             shares = np.hypot(shares, found / np.maximum(bright.mean, 1e-300))
         self.rule = self.clock.rule = asked.beside_shares(shares, bright)
         self.clock.restart()
+
+    def tell(self, stage: str, made: Estimate) -> None:
+        """Tell of what is done after the samples."""
+        if self.progress is not None:
+            bright = made.channel(1) if self.colour else made
+            error = bright.relative_error(self.receivers.weights)
+            self.progress(self.clock.progress(made.samples, error, stage))
 
     def run(self, method: str, reflections: int | None) -> tuple[Estimate, str, tuple[str, ...]]:
         """The estimate, how it was made, and notes on it."""

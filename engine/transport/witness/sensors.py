@@ -11,7 +11,7 @@ from ...accuracy.witnesses import OWN_ERRORS, Verdict, batch_error, compare
 from ...scene.sensor import SensorKind
 from ..paths.illuminance import compute
 from .pilot import BATCHES, LOOKS, PATHS, Witness, WitnessReport
-from .sheets import Sheets
+from .sheets import MOST, Sheets
 
 QUICKEST = 1 << 17
 """Paths for a quick look at a few sensors."""
@@ -35,6 +35,13 @@ UNSUPPORTED = 2.0
 SUPPORTED = 2.0 / 3.0
 """Least part of a square's own error that counts where its sensor states less: a lucky sensor has seen none of the rare
 light that makes the error of both. [-]"""
+
+STAGE = "second witness"
+"""What is being done, for people."""
+
+PATH, GATHERED = 1.2, 1.5
+"""What a path from the lights, and a sample of gathering on a square, takes beside a sample at a sensor, about; 0.5 to 2.6,
+and 1.4 to 2.5 were measured."""
 
 CHUNK = 1 << 12
 """Sensors whose nearest ones are looked for at once."""
@@ -121,6 +128,21 @@ def hear_sensors(
     return SensorTestimony(floors, notes, decision, report.balance())
 
 
+def expect_work(samples: float, count: int) -> float:
+    """How many samples of each sensor one look at a measurement is worth.
+
+    ``samples``: that each of so many sensors had.
+    """
+    paths, gathered = _amounts(samples, count)
+    return (PATH * paths + GATHERED * gathered * min(count, MOST)) / count
+
+
+def _amounts(samples: float, count: int) -> tuple[int, int]:
+    """Paths from the lights, and samples of gathering on each square; parameters as of `expect_work`."""
+    # A quick look at a few sensors gets a quick witness.
+    return int(np.clip(samples * count, QUICKEST, PATHS)), int(np.clip(samples // 2, *SAMPLES))
+
+
 @dataclass(frozen=True)
 class _Look:
     """What light paths bring to squares about sensors, and what gathering finds on them; None where there are none."""
@@ -135,9 +157,7 @@ def _look(
     scene, sheets: Sheets, found: Estimate, number: int, seed: int, reflections, cancelled
 ) -> _Look:
     """Compare both; ``number``: of `LOOKS`."""
-    # A quick look at a few sensors gets a quick witness.
-    paths = int(np.clip(found.samples * len(found.mean), QUICKEST, PATHS))
-    samples = int(np.clip(found.samples // 2, *SAMPLES))
+    paths, samples = _amounts(found.samples, len(found.mean))
     has_some = len(sheets) > 0
     witness = Witness(scene, seed, set(), sheets if has_some else None, cancelled)
     report = witness.run(paths, reflections, number)
