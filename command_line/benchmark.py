@@ -293,13 +293,39 @@ def _add_with_peers(kinds) -> None:
     )
 
 
+def _add_forecasts(kinds) -> None:
+    """Add the kind that compares forecasts with what jobs took."""
+    forecasts = _add(
+        kinds,
+        "forecasts",
+        _run_forecasts,
+        "forecasts of the time that pictures and sensors take, after a tenth of it",
+        "of a part",
+    )
+    forecasts.add_argument(
+        "--scenes", type=words, metavar="A,B", help="only these scenes (default: all six)"
+    )
+    forecasts.add_argument(
+        "--seconds",
+        type=real(),
+        metavar="SECONDS",
+        help="processor time of a job, about, added up over the cores (default: 40)",
+    )
+    forecasts.add_argument(
+        "--rounds",
+        type=whole(1, 100),
+        metavar="N",
+        help="jobs of each kind in each scene (default: 5)",
+    )
+
+
 def _add_pictures(kinds) -> None:
-    """Add the kind that compares pictures."""
+    """Add the kinds that compare pictures, and forecasts of them and of sensors."""
     pictures = _add(
         kinds,
         "pictures",
         _run_pictures,
-        "time to an error of pictures, their bias, stated errors and forecasts, beside Cycles",
+        "time to an error of pictures, their bias and stated errors, beside Cycles",
         "of a part",
     )
     pictures.add_argument(
@@ -326,7 +352,7 @@ def _add_pictures(kinds) -> None:
     pictures.add_argument(
         "--only-races",
         action="store_true",
-        help="leave out bias and forecasts, as for a look at another device",
+        help="leave out bias, as for a look at another device",
     )
     pictures.add_argument(
         "--card",
@@ -345,6 +371,7 @@ def _add_pictures(kinds) -> None:
         action="store_true",
         help="go on with the results that --json already holds; its scenes are not measured again",
     )
+    _add_forecasts(kinds)
 
 
 def run(options) -> int:
@@ -758,6 +785,29 @@ def _run_atlas(options, say) -> int:
     compared = compare_results(earlier, result)
     tell(tell_bars(compared))
     return int(not all(bar.passed for bar in compared))
+
+
+def _run_forecasts(options, say) -> int:
+    from ..benchmarks.common.bars import tell_bars
+    from ..benchmarks.forecasts import run as forecasts
+
+    _start_engine()
+    from ..benchmarks.pictures.scenes import BUILDERS
+
+    scenes = options.scenes or tuple(BUILDERS)
+    unknown = [name for name in scenes if name not in BUILDERS]
+    if unknown:
+        raise LumenrayError(
+            f"there is no scene {', '.join(unknown)}; choose from {', '.join(BUILDERS)}"
+        )
+    seconds = options.seconds or forecasts.SECONDS
+    rounds = options.rounds or forecasts.ROUNDS
+    is_part = set(scenes) != set(BUILDERS) or seconds < forecasts.SECONDS
+    is_part = is_part or rounds < forecasts.ROUNDS
+    result = forecasts.measure(scenes, seconds, rounds, say)
+    tell(tell_bars(forecasts.check_bars(result)))
+    _write(forecasts, result, options, is_part)
+    return 0
 
 
 def _run_pictures(options, say) -> int:

@@ -1,1 +1,1 @@
-"""Pictures: time to an error beside Cycles and plain paths, bias, stated errors and forecasts; `run` is the door."""
+"""Pictures: time to an error beside Cycles and plain paths, bias and stated errors; `run` is the door."""

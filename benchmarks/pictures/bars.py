@@ -16,9 +16,6 @@ BIAS = 0.5
 CALIBRATION = (0.9, 1.1)
 """Stated over true error, in every scene."""
 
-FORECAST = 0.1
-"""Largest median relative error of forecasts."""
-
 TITLES = {CYCLES: "Cycles", BEFORE: "plain paths of ours"}
 
 
@@ -35,14 +32,6 @@ def check_bars(result: dict) -> list[Bar]:
     bars.append(_at_least("the same in the worst scene", scenes.get(worst), LEAST, told))
     bars.append(_most("bias of the worst block beyond noise", result["bias_percent"], BIAS))
     bars.append(_check_calibration(result["calibration_scenes"]))
-    error = result["forecast_median_error"]
-    bars.append(
-        _most(
-            "forecast after a tenth of the time, median error",
-            None if error is None else 100.0 * error,
-            100.0 * FORECAST,
-        )
-    )
     return bars
 
 

@@ -15,7 +15,7 @@ METHODS = (OURS, BEFORE)
 TEXT = """## On a graphics card
 
 {card}, beside {cores}, of one machine{system}; pictures of {width} x {height} pixels, at most {budget:g} s for each program
-in a scene, without bias and forecasts. A card is used where it is chosen; *Automatic* takes the processor. How far means are
+in a scene, without bias. A card is used where it is chosen; *Automatic* takes the processor. How far means are
 apart is told in their common standard error.
 """
 

@@ -8,7 +8,6 @@ from .bars import check_bars
 from .bias import SEEDS
 from .card import tell_card
 from .chart import STYLES
-from .forecast import SHRINK, TAKEN_AT
 from .programs import CYCLES, OURS
 from .race import BELIEVED, FINER, TRIES, reach
 from .scenes import SIZE
@@ -61,11 +60,10 @@ SHARING = """What sharing light between pixels moves, by {seeds} pictures of the
 edges of light away that few samples do not show, and comes to an end with more of them; the stated errors have it.
 """
 
-CALIBRATION = """## Stated errors and forecasts
+CALIBRATION = """## Stated errors
 
 *Stated over true*: mean of our runs with at least {believed} samples and a true error of {coarsest:g} % at most; *by run*:
-of all, the coarsest first. *Forecast*: of the whole time, taken after {share:g} % of it or as soon as there was one (*at*),
-over what it took, for pictures of a {shrink}th of the width and of the height down to an error.
+of all, the coarsest first. Forecasts of the time that pictures take have a [page](forecasts.md) of their own.
 """
 
 
@@ -274,28 +272,18 @@ def _blocks(found) -> str:
     )
 
 
-def _tell_forecast(row: dict) -> str:
-    """Forecast over what it took, and when it was made."""
-    if row["share"] is None:
-        return "none"
-    return f"{row['share']:.2f} (at {100 * row['at']:.0f} %)"
-
-
 def _calibration(scenes: list[dict]) -> list[str]:
     rows = []
     for scene in scenes:
         stated = scene_calibration(scene)
-        forecasts = ", ".join(_tell_forecast(row) for row in scene["forecasts"])
         told = "-" if stated is None else f"{stated:.2f}"
         ours = scene["programs"][OURS]
         runs = zip(ours["stated"], ours["errors"], strict=True)
         by_run = ", ".join(f"{own / true:.2f}" for own, true in runs)
-        rows.append(f"| {_name(scene)} | {told} | {by_run} | {forecasts or '-'} |")
+        rows.append(f"| {_name(scene)} | {told} | {by_run} |")
     return [
-        CALIBRATION.format(
-            believed=BELIEVED, coarsest=100 * COARSEST, share=100 * TAKEN_AT, shrink=SHRINK
-        ),
-        make_table("| scene | stated over true | by run | forecast over true |", rows),
+        CALIBRATION.format(believed=BELIEVED, coarsest=100 * COARSEST),
+        make_table("| scene | stated over true | by run |", rows),
     ]
 
 

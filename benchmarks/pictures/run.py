@@ -1,4 +1,4 @@
-"""Pictures beside Cycles and plain paths: time to an error, bias, stated errors and forecasts; in one run."""
+"""Pictures beside Cycles and plain paths: time to an error, bias and stated errors; in one run."""
 
 import time
 from contextlib import nullcontext
@@ -37,7 +37,7 @@ def measure(
     earlier : dict or None    Results that are gone on with: scenes that they have in this size are not measured again.
     say : callable or None    Told in one line what was done.
     by_processor : bool    Whether all times, and the budget, are of the processors, added up over their cores.
-    only_races : bool    Whether bias and forecasts are left out.
+    only_races : bool    Whether bias is left out.
     card : (dict, dict) or None    Results of a graphics card and of processors of its machine, which are told besides; None:
         those that ``earlier`` has, if any.
 
@@ -104,12 +104,11 @@ def measure_scene(
     Returns
     -------
     row : dict    ``key``, ``title``, ``size``, ``budget``, ``programs``: see `race.race`, or ``refusal``; ``bias``: see
-        `bias.measure_bias`, None where there is one way only, or races only; ``forecasts`` and
-        ``sensor_forecasts``: see `forecast.measure_forecasts`; ``stand_ins``, ``pair``, ``seconds``, ``other_load``.
+        `bias.measure_bias`, None where there is one way only, or races only; ``stand_ins``, ``pair``,
+        ``seconds``, ``other_load``.
     pair : list of `programs.Made` or None    Ours and Cycles' at equal time.
     """
     from .bias import measure_bias
-    from .forecast import measure_forecasts
     from .programs import BEFORE, CYCLES, OURS, Cycles, Lumenray, has_methods, processor_time
     from .race import pair_at_equal_time, race
     from .scenes import build
@@ -131,7 +130,6 @@ def measure_scene(
             made, pictures = race(programs, budget, say)
             pair = pair_at_equal_time(pictures, (OURS, CYCLES)) if CYCLES in pictures else None
             del pictures
-            forecasts = ([], []) if only_races else measure_forecasts(scene, budget, say)
             has_bias = has_methods() and not only_races
             bias = measure_bias(ours, plain, made[BEFORE], budget, say) if has_bias else None
         share = load.share()
@@ -145,8 +143,6 @@ def measure_scene(
         "budget": budget,
         "programs": made | refusals,
         "bias": bias,
-        "forecasts": forecasts[0],
-        "sensor_forecasts": forecasts[1],
         "stand_ins": sorted(scene.stand_ins),
         "pair": None if pair is None else [each.seconds for each in pair],
         "seconds": round(time.perf_counter() - begin, 1),

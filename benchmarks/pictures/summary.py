@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..common.statistics import geometric_mean, median
+from ..common.statistics import geometric_mean
 from .programs import BEFORE, CYCLES, OURS
 from .race import calibration_of, reach
 from .statistics import TARGETS
@@ -13,7 +13,7 @@ RIVALS = (CYCLES, BEFORE)
 def summarise(scenes: list[dict]) -> dict:
     """Return ``speedup``: geometric means of others' times over ours by program, and ``scenes``: those of each scene;
     ``bias_percent``: of the worst block, beyond noise; ``calibration``: mean of stated over true errors;
-    ``calibration_scenes``; ``forecast_median_error``. None where nothing was measured.
+    ``calibration_scenes``. None where nothing was measured.
     """
     speedups = {scene["key"]: {name: speedup([scene], name) for name in RIVALS} for scene in scenes}
     calibration = {scene["key"]: scene_calibration(scene) for scene in scenes}
@@ -24,7 +24,6 @@ def summarise(scenes: list[dict]) -> dict:
         "bias_percent": max(biases, default=None),
         "calibration": float(np.mean(known)) if known else None,
         "calibration_scenes": calibration,
-        "forecast_median_error": median(forecast_errors(scenes)),
     }
 
 
@@ -32,15 +31,6 @@ def scene_calibration(scene: dict) -> float | None:
     """Mean of stated over true errors of our runs in a scene, None where all were too coarse. [-]"""
     ratios = calibration_of(scene["programs"][OURS])
     return float(np.mean(ratios)) if ratios else None
-
-
-def forecast_errors(scenes: list[dict]) -> list[float]:
-    """Relative errors of all forecasts, 1 where there was none. [-]"""
-    return [
-        1.0 if row["share"] is None else abs(row["share"] - 1.0)
-        for scene in scenes
-        for row in scene["forecasts"]
-    ]
 
 
 def speedup(scenes: list[dict], name: str) -> float | None:

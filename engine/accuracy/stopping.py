@@ -270,9 +270,7 @@ class Clock:
     SceneError    The rule names an error in lux, which is for lux maps: their `forecast.Forecaster` knows it.
     """
 
-    def __init__(
-        self, rule: StopRule, stage: str = "", foresees: bool = False, fall: Fall = PLAIN
-    ):
+    def __init__(self, rule: StopRule, stage: str = "", foresees: bool = False, fall: Fall = PLAIN):
         self.grain = 0
         self.after: Callable[[float], float] | None = None
         if rule.absolute is not None:

@@ -13,9 +13,9 @@ from .allocation import Allocation
 from .pixel_light import VIEW
 
 EASE, EASE_APART, EASE_SUPPORT = 0.1, 0.2, 14.0
-"""By how much less steeply squares of errors are supposed to fall than as one over the samples of a tile, as a power: of light
-in view, and of the light of matt surfaces, which pixels share most; and how much that counts beside what passes tell, as a sum
-of squares of doublings. [-]"""
+"""By how much less steeply squares of errors are supposed to fall than as one over the samples of a tile, as a power: those
+of light in view, and of the light of matt surfaces, which pixels share most; and how much that counts beside what passes
+tell, as a sum of squares of doublings. [-]"""
 
 LEAST_EASE, MOST_EASE = -0.3, 0.8
 """Within which it is believed."""
@@ -26,7 +26,7 @@ better the more there are, and what sharing smooths away falls too: what is supp
 of logarithms of ratios of samples, and the most that is believed, either way."""
 
 SPAN = 8.0
-"""Ratio of samples to the first of the passes that tell how errors of tiles fall: of fewer it is not known how they scatter."""
+"""Ratio of samples to those of the first pass that tells how errors of tiles fall: what was long ago says little. [-]"""
 
 STEPS = 4
 """Times that the part of the errors at the end is found anew from the samples there."""
@@ -38,8 +38,15 @@ needed, as a share of the logarithm. [-]"""
 
 @dataclass(frozen=True, eq=False)
 class _Pass:
-    """State after a pass: samples per pixel, (k, t) samples of tiles in a half and sums of squares of their errors by kind,
-    and the square of the error over the mean of these."""
+    """State after a pass.
+
+    Parameters
+    ----------
+    samples : float    Of a pixel, on the mean.
+    counts : (k, t) array    Samples of tiles in a half, by kind.
+    errors : (k, t) array    Sums of the squares of errors of their pixels, relative.
+    part : float    Square of the stated error over the mean of these. [-]
+    """
 
     samples: float
     counts: np.ndarray
@@ -135,7 +142,7 @@ class Foresight:
         return end
 
     def _part(self) -> tuple[float, float]:
-        """Square of the stated error over the errors as samples scatter, now, and the power of the samples by which it changes.
+        """Square of the stated error over those by which samples scatter, now, and the power of samples by which it changes.
 
         By all passes: where few pixels make most of the error, the difference of the halves is much by chance.
         """

@@ -347,7 +347,10 @@ class _Passes:
         return scatter
 
     def _foresee(self, halves: np.ndarray, squares: dict[int, np.ndarray]) -> None:
-        """Tell the clock how many samples are needed. ``halves``: luminance, (2, n) [cd/m2]; ``squares``: as of `_squares`."""
+        """Tell the clock how many samples are needed.
+
+        ``halves``: luminance, (2, n) [cd/m2]. ``squares``: as of `_squares`.
+        """
         scales = _scale(halves.mean(axis=0)), np.stack([_scale(each) for each in halves[::-1]])
         scatter = {kind: self._scatter(kind, 0) for kind in self.sums}
         own, others = (

@@ -38,11 +38,6 @@ def made_up_scene(key: str, cycles: float, before: float, honesty: float, worst:
             "cycles": row_of(0.1 * cycles),
         },
         "bias": bias | {"samples": 8, "sharing": bias | {"worst": 7.0}},
-        "forecasts": [
-            {"target": 0.05, "seconds": 9.0, "at": 0.1, "share": 1.04},
-            {"target": 0.05, "seconds": 9.0, "at": None, "share": None},
-            {"target": 0.05, "seconds": 9.0, "at": 0.1, "share": 0.97},
-        ],
         "stand_ins": [],
         "pair": [5.0, 5.1],
         "seconds": 99.0,
@@ -77,12 +72,10 @@ def test_the_summary_is_of_all_scenes():
     assert result["speedup"]["scenes"]["product"]["cycles"] == pytest.approx(10.0)
     assert result["bias_percent"] == 0.3
     assert result["calibration"] == pytest.approx(1.1)
-    # Of the errors 0.04, 1 and 0.03, twice.
-    assert result["forecast_median_error"] == pytest.approx(0.04)
 
 
 def test_what_was_not_measured_is_not_summed_up():
-    scene = made_up_scene("office", 40.0, 9.0, 1.0, 0.1) | {"bias": None, "forecasts": []}
+    scene = made_up_scene("office", 40.0, 9.0, 1.0, 0.1) | {"bias": None}
     scene["programs"] = {
         "Lumenray": scene["programs"]["Lumenray"],
         "cycles": {"refusal": "no Blender"},
@@ -94,7 +87,6 @@ def test_what_was_not_measured_is_not_summed_up():
         "scenes": {"office": {"cycles": None, "before": None}},
     }
     assert result["bias_percent"] is None
-    assert result["forecast_median_error"] is None
 
 
 def test_the_bars_tell_what_is_met_and_what_is_not():
@@ -107,7 +99,6 @@ def test_the_bars_tell_what_is_met_and_what_is_not():
     assert bars["bias of the worst block beyond noise"].passed is True
     assert bars["stated over true error, every scene"].measured == "1.20 at worst (product)"
     assert bars["stated over true error, every scene"].passed is False
-    assert bars["forecast after a tenth of the time, median error"].passed is True
 
 
 def test_the_document_and_its_pictures_are_written(tmp_path):

@@ -205,16 +205,6 @@ def test_a_program_that_is_good_enough_stops():
     assert rows["a"]["samples"] == [2, 4, 8, 16]
 
 
-def test_a_forecast_is_taken_after_a_tenth_of_the_time():
-    from lumenray.benchmarks.pictures.forecast import judge_forecast
-
-    states = [(0.5, 30.0), (1.2, 9.8), (6.0, 4.0)]
-    assert judge_forecast(states, 10.0) == pytest.approx(
-        {"seconds": 10.0, "at": 0.12, "share": 1.1}
-    )
-    assert judge_forecast(states[:1], 10.0)["share"] is None
-
-
 def test_forecasts_in_processor_time_know_nothing_of_waiting():
     from lumenray.benchmarks.pictures.programs import processor_time
     from lumenray.engine.accuracy.stopping import Clock, StopRule

@@ -1,10 +1,12 @@
 """Rules that end a job, and the forecast of its clock."""
 
+import math
+
 import numpy as np
 import pytest
 
 from lumenray.engine.accuracy.estimate import Estimate
-from lumenray.engine.accuracy.stopping import Clock, StopRule, format_seconds
+from lumenray.engine.accuracy.stopping import Clock, Fall, StopRule, format_seconds
 from lumenray.engine.errors import SceneError
 
 
@@ -199,3 +201,52 @@ def test_after_a_tenth_of_the_time_the_end_for_many_sensors_is_known_within_a_te
         off.append(told / samples - 1.0)
     assert np.median(np.abs(off)) < 0.1
     assert abs(np.median(off)) < 0.08
+
+
+def test_nothing_is_foretold_before_passes_span_what_the_job_asks_for(monkeypatch):
+    now = [0.0]
+    monkeypatch.setattr("time.perf_counter", lambda: now[0])
+    left = []
+    for fall in (
+        Fall(power=0.6, support=1e6, begins=4.0, ends=math.inf),
+        Fall(power=0.6, support=1e6, begins=4.0),
+    ):
+        clock = Clock(StopRule(error=0.01), fall=fall)
+        now[0] = 0.0
+        for samples in (100, 200, 400):
+            assert clock.progress(samples, 1.0).seconds_left is None
+            now[0] = samples / 100.0
+            clock.is_done(samples, 0.1 * (100.0 / samples) ** 0.5)
+        left.append(clock.progress(400, 0.05).seconds_left)
+    # From what passes have shown on by the power that the job supposes, and by theirs where that has had its time.
+    assert left[1] == pytest.approx(100.0 * 10.0**2 / 100.0 - 4.0)
+    assert 0.4 * left[1] < left[0] < 0.75 * left[1]
+
+
+def test_what_comes_after_a_job_is_part_of_what_is_left(monkeypatch):
+    """Half as many samples as the job ended with, but 50 at most, at 100 a second."""
+    now = [0.0]
+    monkeypatch.setattr("time.perf_counter", lambda: now[0])
+    for rule, rest in (
+        (StopRule(samples=80), 0.4),
+        (StopRule(samples=1000), 0.5),
+        (StopRule(seconds=10.0), 0.5),
+        (StopRule(samples=1000, seconds=0.6), 0.3),
+    ):
+        now[0] = 0.0
+        clock = Clock(rule)
+        clock.after = lambda samples: min(0.5 * samples, 50.0)
+        end = min((rule.samples or 10**9) / 100.0, rule.seconds or 10.0)
+        for samples in (20, 40):
+            now[0] = samples / 100.0
+            clock.is_done(samples, 1.0)
+        left = clock.progress(40, 1.0).seconds_left
+        assert left == pytest.approx(end - 0.4 + rest)
+        # The samples are done, but not all.
+        now[0] = end
+        samples = round(100 * end)
+        assert clock.is_done(samples, 1.0)
+        state = clock.progress(samples, 1.0, "afterwards")
+        assert state.stage == "afterwards"
+        assert state.seconds_left == pytest.approx(rest)
+        assert state.done == pytest.approx(end / (end + rest))

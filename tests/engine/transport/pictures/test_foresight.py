@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+
 from lumenray.engine.transport.pictures.allocation import Allocation
 from lumenray.engine.transport.pictures.foresight import Foresight
 from lumenray.engine.transport.pictures.pixel_light import GATHERED, VIEW

@@ -19,6 +19,7 @@ from lumenray.engine.session import Session
 from lumenray.engine.transport.light_tracing.bent_lights import bent_lights
 from lumenray.engine.transport.light_tracing.bright_spots import bright_spots
 from lumenray.engine.transport.paths.illuminance import Receivers, compute
+from lumenray.engine.transport.witness import sensors as witness
 from lumenray.engine.transport.witness.pilot import Witness
 from lumenray.engine.transport.witness.sensors import hear_sensors
 from lumenray.engine.transport.witness.sheets import Sheets
@@ -268,3 +269,40 @@ def test_colour_carries_the_same_errors():
     if not made.illuminance.any():
         assert (made.tristimulus_error[:, 1] > 10.0).all()
     np.testing.assert_array_equal(made.tristimulus_error[:, 1], made.standard_error)
+
+
+def test_the_witness_is_part_of_what_a_measurement_says_is_left():
+    """It begins when samples end, and what it does is known beforehand but for looks that doubt asks for."""
+    states = []
+    session_with(paint(0.5), ROOM, lamp((1, 1, 1.5))).measure(
+        PLACES, FACING, StopRule(samples=1 << 14), progress=states.append
+    )
+    assert states[-1].stage == "second witness"
+    assert states[-1].seconds_left > 0.0
+    assert {each.stage for each in states[:-1]} == {"illuminance"}
+    alone = []
+    session_with(paint(0.5), ROOM, lamp((1, 1, 1.5))).measure(
+        PLACES, FACING, StopRule(samples=1 << 14), progress=alone.append, witness=False
+    )
+    assert {each.stage for each in alone} == {"illuminance"}
+    assert alone[-1].seconds_left == 0.0
+
+
+def test_the_work_of_the_witness_is_foretold(monkeypatch):
+    """As many paths, and samples on as many squares, as its first look makes; weighed, for each sensor."""
+    made, run, gather = {}, Witness.run, witness.compute
+
+    def count_paths(self, paths, *rest):
+        made.setdefault("paths", paths)
+        return run(self, paths, *rest)
+
+    def count_samples(scene, receivers, rule, *rest, **named):
+        made.setdefault("samples", rule.samples * len(receivers.start))
+        return gather(scene, receivers, rule, *rest, **named)
+
+    monkeypatch.setattr(Witness, "run", count_paths)
+    monkeypatch.setattr(witness, "compute", count_samples)
+    session = session_with(paint(0.5), ROOM, lamp((1, 1, 1.5)))
+    session.measure(PLACES, FACING, StopRule(samples=1 << 11))
+    work = witness.PATH * made["paths"] + witness.GATHERED * made["samples"]
+    assert witness.expect_work(1 << 11, len(PLACES)) * len(PLACES) == pytest.approx(work)

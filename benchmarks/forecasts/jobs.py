@@ -4,10 +4,8 @@ import math
 from dataclasses import replace
 
 from ...engine.accuracy.stopping import StopRule
-from .programs import OURS, Lumenray
-from .scenes import PictureScene, resize
-
-ROUNDS = 3
+from ..pictures.programs import OURS, Lumenray
+from ..pictures.scenes import PictureScene, resize
 
 TAKEN_AT = 0.1
 """Share of the time after which the forecast is taken."""
@@ -18,21 +16,18 @@ SHRINK = 4
 TRIAL, SENSOR_TRIAL = 64, 2048
 """Samples per pixel, and per sensor, of the run that tells how long others take."""
 
-LONGER = (2.0, 16.0)
+LONGER = (2.0, 64.0)
 """Least and most that the others are longer than that."""
-
-SHARE = 1.0 / 2.0
-"""Of the budget that each of them may take."""
 
 FIRST_SEED = 700_000
 
 
-def measure_forecasts(scene: PictureScene, budget: float, say) -> tuple[list[dict], list[dict]]:
-    """Render a small picture of a scene, and measure at its sensors, down to an error.
+def measure_scene(scene: PictureScene, seconds: float, rounds: int, say) -> dict[str, list[dict]]:
+    """Render a small picture of a scene, and measure at its sensors, down to errors that take so long, about.
 
     Returns
     -------
-    (list of dict, list of dict)    Of pictures and of sensors: see `judge_forecast`, with ``target`` [-].
+    dict of list of dict    By kind of job: see `judge_forecast`, with ``target`` [-].
     """
     camera = scene.camera
     small = (max(camera.width // SHRINK, 1), max(camera.height // SHRINK, 1))
@@ -42,28 +37,28 @@ def measure_forecasts(scene: PictureScene, budget: float, say) -> tuple[list[dic
         made = ours.follow(rule, seed, progress)
         return made.stated, made.seconds
 
-    made = []
+    made = {}
     for name, trial, run in (
-        ("pictures", TRIAL, render),
+        ("picture", TRIAL, render),
         ("sensors", SENSOR_TRIAL, Lumenray(scene, OURS).measure),
     ):
-        made.append(_follow(run, trial, budget))
-        told = ["none" if each["share"] is None else f"x {each['share']:.2f}" for each in made[-1]]
-        say(f"forecast over true time, {name}: {', '.join(told)}")
-    return tuple(made)
+        made[name] = _follow(run, trial, seconds, rounds)
+        told = [
+            "none" if each["share"] is None else f"x {each['share']:.2f}" for each in made[name]
+        ]
+        say(f"{name}: forecast over true time {', '.join(told)}")
+    return made
 
 
-def _follow(run, samples: int, budget: float) -> list[dict]:
+def _follow(run, samples: int, wanted: float, rounds: int) -> list[dict]:
     """Forecasts of a kind of jobs. ``run(rule, seed, progress)``: does one; returns its error and the seconds."""
     # The first one makes kernels.
-    tries = [
-        run(StopRule(samples=samples), FIRST_SEED + k, lambda *state: None) for k in range(2)
-    ]
+    tries = [run(StopRule(samples=samples), FIRST_SEED + k, lambda *state: None) for k in range(2)]
     error, seconds = min(tries, key=lambda each: each[1])
-    longer = min(max(SHARE * budget / seconds, LONGER[0]), LONGER[1])
+    longer = min(max(wanted / seconds, LONGER[0]), LONGER[1])
     target = error / math.sqrt(longer)
     rows = []
-    for number in range(2, ROUNDS + 2):
+    for number in range(2, rounds + 2):
         states: list[tuple[float, float]] = []
         _, seconds = run(
             StopRule(error=target), FIRST_SEED + number, lambda *state, to=states: to.append(state)
