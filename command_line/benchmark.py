@@ -789,7 +789,7 @@ def _run_atlas(options, say) -> int:
 
 def _run_forecasts(options, say) -> int:
     from ..benchmarks.common.bars import tell_bars
-    from ..benchmarks.forecasts import run as forecasts
+    from ..benchmarks.pictures.forecasts import run as forecasts
 
     _start_engine()
     from ..benchmarks.pictures.scenes import BUILDERS

@@ -3,9 +3,9 @@
 import math
 from dataclasses import replace
 
-from ...engine.accuracy.stopping import StopRule
-from ..pictures.programs import OURS, Lumenray
-from ..pictures.scenes import PictureScene, resize
+from ....engine.accuracy.stopping import StopRule
+from ..programs import OURS, Lumenray
+from ..scenes import PictureScene, resize
 
 TAKEN_AT = 0.1
 """Share of the time after which the forecast is taken."""

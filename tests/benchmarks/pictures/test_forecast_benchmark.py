@@ -4,7 +4,7 @@ import pytest
 
 
 def test_a_forecast_is_taken_after_a_tenth_of_the_time():
-    from lumenray.benchmarks.forecasts.jobs import judge_forecast
+    from lumenray.benchmarks.pictures.forecasts.jobs import judge_forecast
 
     states = [(0.5, 30.0), (1.2, 9.8), (6.0, 4.0)]
     assert judge_forecast(states, 10.0) == pytest.approx(
@@ -14,7 +14,7 @@ def test_a_forecast_is_taken_after_a_tenth_of_the_time():
 
 
 def made_up_result() -> dict:
-    from lumenray.benchmarks.forecasts.run import summarise
+    from lumenray.benchmarks.pictures.forecasts.run import summarise
 
     def jobs(*shares):
         return [
@@ -41,7 +41,7 @@ def made_up_result() -> dict:
 
 
 def test_forecasts_are_judged_by_their_medians():
-    from lumenray.benchmarks.forecasts.run import check_bars
+    from lumenray.benchmarks.pictures.forecasts.run import check_bars
 
     result = made_up_result()
     # Of the errors 0.04, 1 and 0.03; of 0.5, 0.3 and 0.2; and of all.
@@ -50,7 +50,7 @@ def test_forecasts_are_judged_by_their_medians():
 
 
 def test_the_document_tells_every_forecast(tmp_path):
-    from lumenray.benchmarks.forecasts.run import write_results
+    from lumenray.benchmarks.pictures.forecasts.run import write_results
 
     write_results(made_up_result(), tmp_path, tmp_path / "forecasts.json")
     text = (tmp_path / "forecasts.md").read_text(encoding="utf-8")
@@ -65,7 +65,7 @@ def test_the_document_tells_every_forecast(tmp_path):
 @pytest.mark.slow
 @pytest.mark.mitsuba
 def test_a_real_scene_is_measured():
-    from lumenray.benchmarks.forecasts.run import measure
+    from lumenray.benchmarks.pictures.forecasts.run import measure
 
     told = []
     result = measure(("hall",), 2.0, 1, told.append)

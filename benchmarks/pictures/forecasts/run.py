@@ -4,11 +4,11 @@ from pathlib import Path
 
 import numpy as np
 
-from ..common.bars import Bar
-from ..common.document import make_table, tell_demands
-from ..common.machine import describe_machine
-from ..common.output import write_numbers
-from ..common.statistics import median
+from ...common.bars import Bar
+from ...common.document import make_table, tell_demands
+from ...common.machine import describe_machine
+from ...common.output import write_numbers
+from ...common.statistics import median
 
 SECONDS, ROUNDS = 40.0, 5
 """Processor time of a job, about [s], and jobs of each kind in each scene."""
@@ -57,12 +57,12 @@ def measure(scenes: tuple[str, ...], seconds: float, rounds: int, say) -> dict:
     dict    Plain data, for JSON: ``median_error`` by kind and of all [-], ``machine``, ``seconds``, ``rounds``, ``scenes``:
         ``key``, ``title`` and what `jobs.measure_scene` gives.
     """
-    from ...engine.transport import backend
+    from ....engine.transport import backend
 
     # Dr.Jit looks for LLVM when it is loaded, so where that lies is settled first.
     backend.start(spectral=False)
-    from ..pictures.programs import processor_time
-    from ..pictures.scenes import build
+    from ..programs import processor_time
+    from ..scenes import build
     from .jobs import measure_scene
 
     rows = []
@@ -104,7 +104,7 @@ def check_bars(result: dict) -> list[Bar]:
 
 def write_results(result: dict, folder: Path, path: Path | None) -> None:
     """Write the document to a folder, and all numbers to a JSON file if one is named."""
-    from ..pictures.scenes import SENSORS, SIZE
+    from ..scenes import SENSORS, SIZE
     from .jobs import SHRINK, TAKEN_AT
 
     write_numbers(result, path)
