@@ -787,6 +787,16 @@ def _run_atlas(options, say) -> int:
     return int(not all(bar.passed for bar in compared))
 
 
+def _choose_scenes(options, builders) -> tuple[str, ...]:
+    """Return what ``--scenes`` names, by default all."""
+    unknown = [name for name in options.scenes or () if name not in builders]
+    if unknown:
+        raise LumenrayError(
+            f"there is no scene {', '.join(unknown)}; choose from {', '.join(builders)}"
+        )
+    return tuple(options.scenes or builders)
+
+
 def _run_forecasts(options, say) -> int:
     from ..benchmarks.common.bars import tell_bars
     from ..benchmarks.pictures.forecasts import run as forecasts
@@ -794,12 +804,7 @@ def _run_forecasts(options, say) -> int:
     _start_engine()
     from ..benchmarks.pictures.scenes import BUILDERS
 
-    scenes = options.scenes or tuple(BUILDERS)
-    unknown = [name for name in scenes if name not in BUILDERS]
-    if unknown:
-        raise LumenrayError(
-            f"there is no scene {', '.join(unknown)}; choose from {', '.join(BUILDERS)}"
-        )
+    scenes = _choose_scenes(options, BUILDERS)
     seconds = options.seconds or forecasts.SECONDS
     rounds = options.rounds or forecasts.ROUNDS
     is_part = set(scenes) != set(BUILDERS) or seconds < forecasts.SECONDS
@@ -819,12 +824,7 @@ def _run_pictures(options, say) -> int:
     from ..benchmarks.pictures.bars import check_bars
     from ..benchmarks.pictures.scenes import BUILDERS, SIZE
 
-    scenes = options.scenes or tuple(BUILDERS)
-    unknown = [name for name in scenes if name not in BUILDERS]
-    if unknown:
-        raise LumenrayError(
-            f"there is no scene {', '.join(unknown)}; choose from {', '.join(BUILDERS)}"
-        )
+    scenes = _choose_scenes(options, BUILDERS)
     wanted, budget = options.size or SIZE, options.budget or pictures.BUDGET
     is_part = set(scenes) != set(BUILDERS) or tuple(wanted) != SIZE or budget < pictures.BUDGET
     is_part = is_part or options.only_races

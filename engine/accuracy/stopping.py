@@ -289,6 +289,7 @@ class Clock:
         self._times: list[tuple[int, float]] = []
         self._begun = 0.0
         self._foreseen: tuple[float, float] | None = None
+        self._is_met = False
 
     @property
     def seconds(self) -> float:
@@ -321,7 +322,7 @@ class Clock:
         """Forget how the error has fallen: from now on samples are others. Time goes on."""
         self._history, self._present = [], None
         self._times, self.grain = [(0, self.seconds)], 0
-        self._begun, self._foreseen = self.seconds, None
+        self._begun, self._foreseen, self._is_met = self.seconds, None, False
 
     def progress(self, samples: int, error: float, stage: str | None = None) -> Progress:
         """Describe the state after so many samples; the error is that of the last finished pass.
@@ -329,7 +330,8 @@ class Clock:
         ``stage``: what is being done; None: what the job is.
         """
         seconds = self.seconds
-        ends = []
+        # A forecast knows less of the end than what has ended.
+        ends = [0.0] if self._is_met else []
         if self.rule.seconds is not None:
             ends.append(self.rule.seconds - seconds)
         needed = self.samples_needed
@@ -366,11 +368,12 @@ class Clock:
                 self._present = state
             if not self._history or samples >= STEP * self._history[-1][0]:
                 self._history.append(state)
-        return (
+        self._is_met = (
             (rule.samples is not None and samples >= rule.samples)
             or (rule.seconds is not None and self.seconds >= rule.seconds)
             or excess <= 1.0
         )
+        return self._is_met
 
     def _to_whole_passes(self, samples: float) -> float:
         """Samples at the end of the pass in which so many are reached, on the mean."""

@@ -360,7 +360,9 @@ class _Passes:
         self.foresight.note(own, self.error)
         span = self.foresight.span(squares, own, others)
         if self.samples >= FORETOLD and span is not None:
-            self.clock.foresee(*span)
+            # As long as the error is not the wanted one, there is a pass to come.
+            least = self.samples * (1.0 + LEAST)
+            self.clock.foresee(*(max(each, least) for each in span))
 
     def _pass(self, added: dict[int, np.ndarray]) -> None:
         cells, allocation = self.light.cells, self.allocation

@@ -250,3 +250,19 @@ def test_what_comes_after_a_job_is_part_of_what_is_left(monkeypatch):
         assert state.stage == "afterwards"
         assert state.seconds_left == pytest.approx(rest)
         assert state.done == pytest.approx(end / (end + rest))
+
+
+def test_a_job_that_has_ended_leaves_what_comes_after_it_alone(monkeypatch):
+    """However much later it foresaw that its error would be low enough, as it has got there by chance."""
+    now = [0.0]
+    monkeypatch.setattr("time.perf_counter", lambda: now[0])
+    clock = Clock(StopRule(error=0.05), foresees=True)
+    clock.after = lambda samples: 50.0
+    clock.foresee(1000.0, 1000.0)
+    for samples, error in ((100, 0.4), (200, 0.28), (400, 0.2), (600, 0.049)):
+        now[0] = samples / 100.0
+        is_done = clock.is_done(samples, error)
+    assert is_done
+    assert clock.progress(600, 0.049).seconds_left == pytest.approx(0.5)
+    clock.restart()
+    assert clock.progress(0, math.inf).seconds_left is None
