@@ -204,9 +204,11 @@ SLOWEST, FASTEST = 0.4, 0.9
 """Bounds on the power of the samples by which an error is believed to go on falling: 1/2 for plain Monte Carlo.
 Well-distributed samples make it fall faster at first, but by 3/4 only in the end where the integrand has edges."""
 
-WINDOW, STEP = 64.0, 1.2
-"""Ratio of samples over which that power is taken at most, as what was long ago says little, and ratio between passes of
-which note is taken."""
+INDEPENDENT = 0.5
+"""That power of plain Monte Carlo."""
+
+STEP = 1.2
+"""Ratio of samples between passes of which note is taken."""
 
 
 @dataclass(frozen=True)
@@ -219,12 +221,30 @@ class Fall:
     support : float    How much that counts beside what passes tell, as a sum of squares of logarithms of ratios of samples.
     begins : float    Ratio of samples that passes have to span before anything is foretold.
     ends : float    Such a ratio from which on what passes tell counts alone.
+    fades : float    Power of the samples by which what the present power has beyond 1/2 fades. [-]
+    window : float    Ratio of samples over which the power is taken at most, as what was long ago says little.
     """
 
-    power: float = 0.5
+    power: float = INDEPENDENT
     support: float = 0.5
     begins: float = 1.0
     ends: float = 3.9
+    fades: float = 0.0
+    window: float = 64.0
+
+    def law(self, now: float, power: float):
+        """How the logarithm of an error falls, up to a constant, as a function of that of the samples, (n,) to (n,).
+
+        Parameters
+        ----------
+        now : float    Logarithm of the present samples.
+        power : float    By which the error falls there. [-]
+        """
+        return lambda along: INDEPENDENT * along + (power - INDEPENDENT) * self.bend(along - now)
+
+    def bend(self, along):
+        """Integral of what is left of the power beyond 1/2, from the present on; by logarithms of ratios of samples."""
+        return -np.expm1(-self.fades * along) / self.fades if self.fades > 0.0 else along
 
 
 PLAIN = Fall()
@@ -424,27 +444,31 @@ class Clock:
         The power is that of the error of the whole, which many values tell, by all passes. What an error lies beside the
         power law, which a few groups tell, is by chance: squares of sums of N and M samples have N / M of it in common.
         """
-        entries = [each for each in self._history if each[0] * WINDOW >= self._present[0]]
+        fall = self._fall
+        entries = [each for each in self._history if each[0] * fall.window >= self._present[0]]
         if not entries or entries[-1] != self._present:
             entries.append(self._present)
         samples, whole, excess = (np.log([entry[k] for entry in entries]) for k in range(3))
-        one, along, fallen = (_independent(each, samples) for each in (samples**0, samples, whole))
+        low = now = float(samples[-1])
+        along = fall.bend(samples - now)
+        beyond = whole + INDEPENDENT * samples
+        one, along, fallen = (_independent(each, samples) for each in (samples**0, along, beyond))
         apart = along - one * float(one @ along) / float(one @ one)
-        is_alone = samples[-1] - samples[0] >= math.log(self._fall.ends)
-        support = 0.0 if is_alone else self._fall.support
-        power = self._fall.power * support - float(apart @ fallen)
-        power = min(max(power / (support + float(apart @ apart)), SLOWEST), FASTEST)
+        is_alone = now - samples[0] >= math.log(fall.ends)
+        support = 0.0 if is_alone else fall.support
+        power = (fall.power - INDEPENDENT) * support - float(apart @ fallen)
+        power = INDEPENDENT + power / (support + float(apart @ apart))
+        law = fall.law(now, min(max(power, SLOWEST), FASTEST))
         # Errors of single values are not believed from the first pass on.
         is_known = np.isfinite(excess)
-        levels, of_level = (excess + power * samples)[is_known], samples[is_known]
+        levels, of_level = (excess + law(samples))[is_known], samples[is_known]
         one, levels_apart = (_independent(each, of_level) for each in (of_level**0, levels))
         level = float(one @ levels_apart) / float(one @ one)
         chance = float(levels[-1]) - level
-        low = now = float(samples[-1])
-        high = max((level + max(chance, 0.0)) / power, now)
+        high = max(now + (float(excess[-1]) + abs(chance)) / SLOWEST, now)
         for _ in range(ROUNDS):
             end = 0.5 * (low + high)
-            falls_short = level + chance * math.exp(now - end) > power * end
+            falls_short = level + chance * math.exp(now - end) > law(end)
             low, high = (end, high) if falls_short else (low, end)
         return math.exp(min(high, LONGEST))
 

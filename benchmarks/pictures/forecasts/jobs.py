@@ -3,6 +3,8 @@
 import math
 from dataclasses import replace
 
+import numpy as np
+
 from ....engine.accuracy.stopping import StopRule
 from ..programs import OURS, Lumenray
 from ..scenes import PictureScene, resize
@@ -17,7 +19,10 @@ TRIAL, SENSOR_TRIAL = 64, 2048
 """Samples per pixel, and per sensor, of the run that tells how long others take."""
 
 LONGER = (2.0, 64.0)
-"""Least and most that the others are longer than that."""
+"""Least and most that the one is longer than that which tells the error that the others are made to."""
+
+MOST_CHANGE = 4.0
+"""Most by which these are longer or shorter than that one. [-]"""
 
 FIRST_SEED = 700_000
 
@@ -53,18 +58,24 @@ def measure_scene(scene: PictureScene, seconds: float, rounds: int, say) -> dict
 def _follow(run, samples: int, wanted: float, rounds: int) -> list[dict]:
     """Forecasts of a kind of jobs. ``run(rule, seed, progress)``: does one; returns its error and the seconds."""
     # The first one makes kernels.
-    tries = [run(StopRule(samples=samples), FIRST_SEED + k, lambda *state: None) for k in range(2)]
+    tries = [run(StopRule(samples=samples), FIRST_SEED + k, _ignore) for k in range(2)]
     error, seconds = min(tries, key=lambda each: each[1])
-    longer = min(max(wanted / seconds, LONGER[0]), LONGER[1])
-    target = error / math.sqrt(longer)
+    target = error / math.sqrt(float(np.clip(wanted / seconds, *LONGER)))
+    # How the error falls, and what is done once, is known only by a job as long as the others, about.
+    _, seconds = run(StopRule(error=target), FIRST_SEED + 2, _ignore)
+    target /= math.sqrt(float(np.clip(wanted / seconds, 1.0 / MOST_CHANGE, MOST_CHANGE)))
     rows = []
-    for number in range(2, rounds + 2):
+    for number in range(3, rounds + 3):
         states: list[tuple[float, float]] = []
         _, seconds = run(
             StopRule(error=target), FIRST_SEED + number, lambda *state, to=states: to.append(state)
         )
         rows.append({"target": target} | judge_forecast(states, seconds))
     return rows
+
+
+def _ignore(*_state) -> None:
+    """Hear of a job's progress."""
 
 
 def judge_forecast(states: list[tuple[float, float]], whole: float) -> dict:

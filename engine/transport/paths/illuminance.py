@@ -50,7 +50,7 @@ FIRST_SHARE, FIRST_SAMPLES = 64, 8
 """Part of a whole pass that the first one makes, and its fewest samples; the next ones double what there is. They tell how
 the error falls, so that a forecast can be made soon."""
 
-FALL = Fall(power=0.6, support=2.0, begins=4.0, ends=math.inf)
+FALL = Fall(power=0.57, support=0.4, begins=4.0, ends=math.inf, fades=0.1, window=12.0)
 """How the error falls where well-distributed points meet edges, which passes of few samples show only roughly."""
 
 LATER_SHARE, GROWTH = 4, 8

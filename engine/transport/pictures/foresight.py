@@ -12,7 +12,7 @@ import numpy as np
 from .allocation import Allocation
 from .pixel_light import VIEW
 
-EASE, EASE_APART, EASE_SUPPORT = 0.1, 0.2, 14.0
+EASE, EASE_APART, EASE_SUPPORT = 0.1, 0.2, 40.0
 """By how much less steeply squares of errors are supposed to fall than as one over the samples of a tile, as a power: those
 of light in view, and of the light of matt surfaces, which pixels share most; and how much that counts beside what passes
 tell, as a sum of squares of doublings. [-]"""
@@ -20,12 +20,12 @@ tell, as a sum of squares of doublings. [-]"""
 LEAST_EASE, MOST_EASE = -0.3, 0.8
 """Within which it is believed."""
 
-POWER, POWER_SUPPORT, STEEPEST = -0.05, 3.0, 0.2
+POWER, POWER_SUPPORT, STEEPEST = -0.05, 4.0, 0.2
 """Power of the samples by which the square of the error falls beside that of independent ones, as low-discrepancy points do
 better the more there are, and what sharing smooths away falls too: what is supposed, how much it counts, as a sum of squares
 of logarithms of ratios of samples, and the most that is believed, either way."""
 
-SPAN = 8.0
+SPAN = 4.0
 """Ratio of samples to those of the first pass that tells how errors of tiles fall: what was long ago says little. [-]"""
 
 STEPS = 4

@@ -14,7 +14,8 @@ be that of
 
 where the first term is the noise that is left and the second the square of what was smoothed away that was no noise: if the
 expected value of both D differs from that of the noise by b, the product of the two is b^2 on the average. It holds pixel by
-pixel, without any supposition on the light, and is stated as the error (see `theory.md`, pictures).
+pixel, without any supposition on the light, and is stated as the error, where products that are mostly chance are drawn
+towards what is likely (see `theory.md`, pictures).
 """
 
 import math
@@ -76,6 +77,10 @@ a tenth of it costs more than to smooth some light away, which is told in any ca
 
 CHUNK = 1 << 17
 """Pixels that are fitted at once, about."""
+
+LIKELY, LIKELY_SPREAD, UNLIKELY = 0.8, 0.6, 2.0
+"""What was smoothed away in short waves over a tile, relative to long ones: what is supposed and its standard deviation;
+and the square of a distance from it, in standard deviations, at which it is half as sure. [-]"""
 
 AROUND = 2
 """Tiles to each side over which it is averaged what was smoothed away."""
@@ -408,15 +413,60 @@ class PixelSharing:
 
         ``change``: as of `Shared`. ``scale``: what errors of pixels are relative to, (n,).
         """
-        product = change[0].astype(np.float64) * change[1] / scale[:, None] ** 2
         tiles = self._stages[0][0].tiles
         count = (tiles.pixels >= 0).sum(axis=1)[:, None]
-        sums = tiles.lay_out(product[None])[0].sum(axis=1)
+        halves = (each / scale[:, None] for each in change)
+        sums, whole = _find_common(*(tiles.lay_out(each[None])[0] for each in halves))
         each = np.maximum(tiles.average_around(sums / count), 0.0)
         # Chance makes it negative here and there, which must not be counted on the other side only.
-        each *= np.maximum(sums.sum(axis=0), 0.0) / np.maximum((each * count).sum(axis=0), 1e-300)
+        each *= np.maximum(whole, 0.0) / np.maximum((each * count).sum(axis=0), 1e-300)
         made = tiles.lay_back(np.repeat(each[None, :, None], tiles.side**2, axis=2))[0]
         return made * scale[:, None] ** 2
+
+
+def _find_common(first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """What the changes of both halves have in common: the sum over the pixels of their products, with little chance.
+
+    Noise is alike in all waves over a tile, but what planes miss of light lies mostly in long ones. So the products of those
+    are taken as they are, and those of the short ones, where chance is much more, as far as they stand out of it: else they
+    are supposed to be a share of the others, the less surely the farther from it they are found.
+
+    Parameters
+    ----------
+    first, second : (t, p, c) array    Changes of the pixels of tiles, 0 where there is no picture.
+
+    Returns
+    -------
+    (t, c), (c,) array    Sums of tiles, which tell where it is, and of all of them.
+    """
+    long_waves = _find_long_waves(math.isqrt(first.shape[1]))
+    of_first, of_second = (
+        np.einsum("pk,tpc->tkc", long_waves, each.astype(np.float64)) for each in (first, second)
+    )
+    slow = (of_first * of_second).sum(axis=1)
+    fast = np.einsum("tpc,tpc->tc", first, second, dtype=np.float64) - slow
+    apart = first - second
+    noise = np.einsum("tpc,tpc->tc", apart, apart, dtype=np.float64)
+    noise = 0.5 * (noise - ((of_first - of_second) ** 2).sum(axis=1))
+    count, few = first.shape[1], long_waves.shape[1]
+    # Squares of standard errors of the sum, and of what is supposed of it.
+    chance = (noise**2).sum(axis=0) / (count - few)
+    supposed = np.maximum(slow.sum(axis=0), 0.0)
+    spread = LIKELY_SPREAD**2 * (supposed**2 + chance * few / (count - few))
+    both = np.maximum(chance + spread, 1e-300)
+    beyond = (fast.sum(axis=0) - LIKELY * supposed) ** 2 / both
+    trust = 1.0 - chance / both / (1.0 + beyond / UNLIKELY)
+    whole = slow.sum(axis=0) + trust * fast.sum(axis=0) + (1.0 - trust) * LIKELY * supposed
+    return slow + trust * fast, whole
+
+
+def _find_long_waves(side: int) -> np.ndarray:
+    """Cosines over the pixels of a tile with up to two half waves along both sides together, orthonormal. (side^2, 6)"""
+    place = np.pi * (np.arange(side) + 0.5) / side
+    along = [np.cos(number * place) for number in range(3)]
+    along = [each / np.linalg.norm(each) for each in along]
+    made = [np.outer(along[up], along[k]) for up in range(3) for k in range(3 - up)]
+    return np.stack([each.ravel() for each in made], axis=1)
 
 
 def _shrink(fit, spared, surfaces, own, noise) -> tuple[np.ndarray, np.ndarray]:

@@ -223,6 +223,29 @@ def test_nothing_is_foretold_before_passes_span_what_the_job_asks_for(monkeypatc
     assert 0.4 * left[1] < left[0] < 0.75 * left[1]
 
 
+def test_what_the_power_has_beyond_a_half_may_fade(monkeypatch):
+    """Light that is well sampled falls fast, until what is left falls as plain Monte Carlo: sooner foretold than true if not."""
+    now = [0.0]
+    monkeypatch.setattr("time.perf_counter", lambda: now[0])
+
+    def error(samples):
+        well_sampled = 0.3 * (1.0 - (samples / 100.0) ** -0.4) / 0.4
+        return samples**-0.5 * math.exp(-well_sampled)
+
+    def forecast(fades):
+        now[0] = 0.0
+        clock = Clock(StopRule(error=error(100_000.0)), fall=Fall(fades=fades, window=100.0))
+        samples = 100
+        while samples <= 10_000:
+            now[0] = float(samples)
+            clock.is_done(samples, error(samples))
+            before, samples = samples, round(1.3 * samples)
+        return before + clock.progress(before, error(before)).seconds_left
+
+    assert forecast(0.4) == pytest.approx(100_000.0, rel=0.01)
+    assert forecast(0.0) < 80_000.0
+
+
 def test_what_comes_after_a_job_is_part_of_what_is_left(monkeypatch):
     """Half as many samples as the job ended with, but 50 at most, at 100 a second."""
     now = [0.0]

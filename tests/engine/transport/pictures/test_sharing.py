@@ -58,17 +58,28 @@ def lights():
     }
 
 
-def share(true, reflectance, surface, noise, seed):
-    """True relative square of the error of a shared picture, the stated one, and their parts by pixel. (n,) each"""
+def grille():
+    """As of `lights`: all that a plane misses is in waves of two to three pixels."""
+    true = 1.0 + 0.1 * np.sign(np.sin(300.0 * np.mgrid[:HEIGHT, :WIDTH][1] / HEIGHT))
+    return true, np.ones_like(true), np.zeros_like(true, dtype=int)
+
+
+def make_halves(true, reflectance, surface, noise, seed):
+    """Means of halves with such a relative noise, their sharing, and what it changes of them. (2, n, 3)"""
     draw = np.random.default_rng(seed)
     halves = true.ravel()[None, :, None] * np.ones((2, 1, 3))
     sigma = noise * true.ravel()
     halves = halves + draw.normal(size=(2, halves.shape[1], 1)) * sigma[None, :, None]
     own = sharing_of(reflectance, surface)
     means = {GATHERED: halves.astype(np.float32)}
-    made = own.share(means, {GATHERED: np.stack([sigma**2] * 2)})
-    shared = halves + made.change
-    smoothed = own.smoothed_away(made.change, true.ravel())[:, 1]
+    return halves, own, own.share(means, {GATHERED: np.stack([sigma**2] * 2)}).change
+
+
+def share(true, reflectance, surface, noise, seed):
+    """True relative square of the error of a shared picture, the stated one, and their parts by pixel. (n,) each"""
+    halves, own, change = make_halves(true, reflectance, surface, noise, seed)
+    shared = halves + change
+    smoothed = own.smoothed_away(change, true.ravel())[:, 1]
     stated = ((shared[0] - shared[1])[:, 1] / 2.0) ** 2 + smoothed
     error = (shared.mean(axis=0)[:, 1] - true.ravel()) ** 2
     scale = true.ravel() ** 2
@@ -83,16 +94,27 @@ def test_light_without_noise_stays_as_it_is():
     assert (made.left[GATHERED] == 1.0).all()
 
 
-@pytest.mark.parametrize("name", lights())
+@pytest.mark.parametrize("name", [*lights(), "grille"])
 @pytest.mark.parametrize("noise", [0.02, 0.1, 0.5])
 def test_the_stated_error_is_the_true_one_whatever_the_light(name, noise):
-    true, stated = zip(
-        *(share(*lights()[name], noise, seed)[:2] for seed in range(24)), strict=True
-    )
+    light = (lights() | {"grille": grille()})[name]
+    true, stated = zip(*(share(*light, noise, seed)[:2] for seed in range(24)), strict=True)
     ratios = np.mean(stated, axis=1) - np.mean(true, axis=1)
     error = ratios.std(ddof=1) / np.sqrt(len(ratios))
     # A negative sum counts as none, which the mean over pictures shows a little.
     assert abs(ratios.mean()) < Z * error + 0.03 * np.mean(true)
+
+
+def test_chance_makes_little_of_what_is_smoothed_away_in_long_waves():
+    """Much less than it makes of the products of the halves' changes, whose mean is the same."""
+    light, noise, drawn, plain = lights()["ripples"], 0.5, [], []
+    for seed in range(16):
+        _, own, change = make_halves(*light, noise, seed)
+        scale = light[0].ravel()
+        drawn.append((own.smoothed_away(change, scale)[:, 1] / scale**2).mean())
+        plain.append((change[0, :, 1] * change[1, :, 1] / scale**2).mean())
+    assert np.std(drawn) < 0.6 * np.std(plain)
+    assert abs(np.mean(drawn) - np.mean(plain)) < 0.15 * np.mean(plain) + Z * np.std(plain) / 4.0
 
 
 @pytest.mark.parametrize("name", ["slope", "texture"])
