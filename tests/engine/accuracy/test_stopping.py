@@ -224,7 +224,7 @@ def test_nothing_is_foretold_before_passes_span_what_the_job_asks_for(monkeypatc
 
 
 def test_what_the_power_has_beyond_a_half_may_fade(monkeypatch):
-    """Light that is well sampled falls fast, until what is left falls as plain Monte Carlo: sooner foretold than true if not."""
+    """Light that is well sampled falls fast, until what is left falls as plain Monte Carlo; else the end comes too soon."""
     now = [0.0]
     monkeypatch.setattr("time.perf_counter", lambda: now[0])
 
