@@ -19,10 +19,10 @@ TRIAL, SENSOR_TRIAL = 64, 2048
 """Samples per pixel, and per sensor, of the run that tells how long others take."""
 
 LONGER = (2.0, 64.0)
-"""Least and most that the one is longer than that which tells the error that the others are made to."""
+"""Least and most that the first job is longer which tells the error that the others are made to."""
 
-MOST_CHANGE = 4.0
-"""Most by which these are longer or shorter than that one. [-]"""
+SIZINGS, MOST_CHANGE = 2, 4.0
+"""Such jobs, one after the other, and most by which the next one, or the others, are longer or shorter than each. [-]"""
 
 FIRST_SEED = 700_000
 
@@ -61,11 +61,13 @@ def _follow(run, samples: int, wanted: float, rounds: int) -> list[dict]:
     tries = [run(StopRule(samples=samples), FIRST_SEED + k, _ignore) for k in range(2)]
     error, seconds = min(tries, key=lambda each: each[1])
     target = error / math.sqrt(float(np.clip(wanted / seconds, *LONGER)))
-    # How the error falls, and what is done once, is known only by a job as long as the others, about.
-    _, seconds = run(StopRule(error=target), FIRST_SEED + 2, _ignore)
-    target /= math.sqrt(float(np.clip(wanted / seconds, 1.0 / MOST_CHANGE, MOST_CHANGE)))
+    # How the error falls, and what is done once, is known only by jobs as long as the others, about.
+    for number in range(SIZINGS):
+        _, seconds = run(StopRule(error=target), FIRST_SEED + 2 + number, _ignore)
+        change = float(np.clip(wanted / seconds, 1.0 / MOST_CHANGE, MOST_CHANGE))
+        target /= math.sqrt(change)
     rows = []
-    for number in range(3, rounds + 3):
+    for number in range(2 + SIZINGS, 2 + SIZINGS + rounds):
         states: list[tuple[float, float]] = []
         _, seconds = run(
             StopRule(error=target), FIRST_SEED + number, lambda *state, to=states: to.append(state)

@@ -31,7 +31,7 @@ pictures](pictures.md), and measurements at {sensors} sensors in each of them, d
 of processor time, added up over the cores. What cells and the like take is part of it, and at sensors the second witness.
 The forecast of the whole time is taken after {share:g} % of it, or as soon as there was one (*at*); what is told is the
 forecast over what it took. Processor time does not count waiting for others who share the machine. Every job has another
-seed; the error that is asked for is told from two shorter ones, and one to an error that these tell.
+seed; the error that is asked for is told from two shorter ones and two about as long.
 
 Forecasts of lux maps are in the [benchmark of lux maps](atlas.md), those of few sensors that are measured to errors far
 below what anybody asks for in the [benchmark of accuracy](accuracy.md).

@@ -322,7 +322,8 @@ class _KindPasses:
             whole = whole + self._shared.change
             mean = whole[..., 1].mean(axis=0)
             scale = np.maximum(mean, max(float(mean.mean()), 1e-30))
-            self.smoothed = self._sharing.smoothed_away(self._shared.change, scale)[:, 1]
+            luminance = self._shared.change[..., 1:2]
+            self.smoothed = self._sharing.smoothed_away(luminance, scale)[:, 0]
         self.means = whole.astype(np.float64)
 
     def _choose(self, left: float) -> dict[int, np.ndarray]:

@@ -78,9 +78,13 @@ a tenth of it costs more than to smooth some light away, which is told in any ca
 CHUNK = 1 << 17
 """Pixels that are fitted at once, about."""
 
-LIKELY, LIKELY_SPREAD, UNLIKELY = 0.8, 0.6, 2.0
-"""What was smoothed away in short waves over a tile, relative to long ones: what is supposed and its standard deviation;
-and the square of a distance from it, in standard deviations, at which it is half as sure. [-]"""
+WAVES = (2, 4)
+"""Most half waves over a tile along both its sides together of which the products of the halves' changes are taken as they
+are, and of which next."""
+
+LIKELY, LIKELY_SPREAD, UNLIKELY = (0.4, 0.1), (0.8, 0.2), 4.0
+"""What was smoothed away in the waves that come next, and in all other ones, relative to longer ones: what is supposed and
+its standard deviation; and the square of a distance from it, in standard deviations, at which it is half as sure. [-]"""
 
 AROUND = 2
 """Tiles to each side over which it is averaged what was smoothed away."""
@@ -415,7 +419,9 @@ class PixelSharing:
         """
         tiles = self._stages[0][0].tiles
         count = (tiles.pixels >= 0).sum(axis=1)[:, None]
-        halves = (each / scale[:, None] for each in change)
+        # Sums of a tile are short enough for single precision.
+        inverse = (1.0 / scale).astype(np.float32)[:, None]
+        halves = (each * inverse for each in change)
         sums, whole = _find_common(*(tiles.lay_out(each[None])[0] for each in halves))
         each = np.maximum(tiles.average_around(sums / count), 0.0)
         # Chance makes it negative here and there, which must not be counted on the other side only.
@@ -428,45 +434,60 @@ def _find_common(first: np.ndarray, second: np.ndarray) -> tuple[np.ndarray, np.
     """What the changes of both halves have in common: the sum over the pixels of their products, with little chance.
 
     Noise is alike in all waves over a tile, but what planes miss of light lies mostly in long ones. So the products of those
-    are taken as they are, and those of the short ones, where chance is much more, as far as they stand out of it: else they
-    are supposed to be a share of the others, the less surely the farther from it they are found.
+    are taken as they are, and those of shorter ones, where chance is more, as far as they stand out of it: else they are
+    supposed to be a share of the longer ones, the less surely the farther from it they are found.
 
     Parameters
     ----------
-    first, second : (t, p, c) array    Changes of the pixels of tiles, 0 where there is no picture.
+    first, second : (t, p, c) float32 array    Changes of the pixels of tiles, 0 where there is no picture.
 
     Returns
     -------
     (t, c), (c,) array    Sums of tiles, which tell where it is, and of all of them.
     """
-    long_waves = _find_long_waves(math.isqrt(first.shape[1]))
-    of_first, of_second = (
-        np.einsum("pk,tpc->tkc", long_waves, each.astype(np.float64)) for each in (first, second)
-    )
-    slow = (of_first * of_second).sum(axis=1)
-    fast = np.einsum("tpc,tpc->tc", first, second, dtype=np.float64) - slow
     apart = first - second
-    noise = np.einsum("tpc,tpc->tc", apart, apart, dtype=np.float64)
-    noise = 0.5 * (noise - ((of_first - of_second) ** 2).sum(axis=1))
-    count, few = first.shape[1], long_waves.shape[1]
-    # Squares of standard errors of the sum, and of what is supposed of it.
-    chance = (noise**2).sum(axis=0) / (count - few)
-    supposed = np.maximum(slow.sum(axis=0), 0.0)
-    spread = LIKELY_SPREAD**2 * (supposed**2 + chance * few / (count - few))
-    both = np.maximum(chance + spread, 1e-300)
-    beyond = (fast.sum(axis=0) - LIKELY * supposed) ** 2 / both
-    trust = 1.0 - chance / both / (1.0 + beyond / UNLIKELY)
-    whole = slow.sum(axis=0) + trust * fast.sum(axis=0) + (1.0 - trust) * LIKELY * supposed
-    return slow + trust * fast, whole
+    rest = [
+        np.einsum("tpc,tpc->tc", *each).astype(np.float64)
+        for each in ((first, second), (apart, apart))
+    ]
+    count = first.shape[1]
+    classes = []
+    for waves in _find_waves(math.isqrt(count)):
+        of_first, of_second = (np.tensordot(each, waves, axes=(1, 0)) for each in (first, second))
+        own = [of_first * of_second, (of_first - of_second) ** 2]
+        own = [each.sum(axis=2, dtype=np.float64) for each in own]
+        rest = [each - mine for each, mine in zip(rest, own, strict=True)]
+        classes.append((waves.shape[1], *own))
+        count -= waves.shape[1]
+    (few, tiles, noise), *shorter = *classes, (count, *rest)
+    whole, chance = tiles.sum(axis=0), ((0.5 * noise) ** 2).sum(axis=0) / few
+    for (many, products, noise), share, spread in zip(shorter, LIKELY, LIKELY_SPREAD, strict=True):
+        # Squares of standard errors of their sum, and of what is supposed of it.
+        own_chance = ((0.5 * noise) ** 2).sum(axis=0) / many
+        longer = np.maximum(whole, 0.0)
+        unsure = spread**2 * (longer**2 + chance)
+        both = np.maximum(own_chance + unsure, 1e-300)
+        away = (products.sum(axis=0) - share * longer) ** 2 / both
+        trust = 1.0 - own_chance / both / (1.0 + away / UNLIKELY)
+        tiles = tiles + trust * products
+        whole = whole + trust * products.sum(axis=0) + (1.0 - trust) * share * longer
+        chance = chance + own_chance
+    return tiles, whole
 
 
-def _find_long_waves(side: int) -> np.ndarray:
-    """Cosines over the pixels of a tile with up to two half waves along both sides together, orthonormal. (side^2, 6)"""
+def _find_waves(side: int) -> list[np.ndarray]:
+    """Orthonormal cosines over the pixels of a tile, by how many half waves they have along both sides. (side^2, k) each"""
     place = np.pi * (np.arange(side) + 0.5) / side
-    along = [np.cos(number * place) for number in range(3)]
+    along = [np.cos(number * place) for number in range(WAVES[-1] + 1)]
     along = [each / np.linalg.norm(each) for each in along]
-    made = [np.outer(along[up], along[k]) for up in range(3) for k in range(3 - up)]
-    return np.stack([each.ravel() for each in made], axis=1)
+    made, least = [], 0
+    for most in WAVES:
+        each = [
+            np.outer(along[n], along[k - n]) for k in range(least, most + 1) for n in range(k + 1)
+        ]
+        made.append(np.stack([wave.ravel() for wave in each], axis=1).astype(np.float32))
+        least = most + 1
+    return made
 
 
 def _shrink(fit, spared, surfaces, own, noise) -> tuple[np.ndarray, np.ndarray]:
