@@ -441,8 +441,8 @@ class Clock:
     def _samples_needed(self) -> float:
         """Samples at which the error will be what is allowed, if it goes on falling as it has.
 
-        The power is that of the error of the whole, which many values tell, by all passes. What an error lies beside the
-        power law, which a few groups tell, is by chance: squares of sums of N and M samples have N / M of it in common.
+        The power is that of the error of the whole, which many values tell, by all passes in the window. What an error lies
+        beside the law, which a few groups tell, is by chance: squares of sums of N and M samples have N / M of it in common.
         """
         fall = self._fall
         entries = [each for each in self._history if each[0] * fall.window >= self._present[0]]
